@@ -51,36 +51,82 @@ std::size_t numbers_of(const Value&, std::size_t tactels) {
     return 1;
 }
 
+// What the kinds of contact differ in: tactels, steps that a load asks for (of a drag until sliding the first ones),
+// and a step of an answer in place.
+
+std::size_t tactels_of(const fem::Scene& scene) { return static_cast<std::size_t>(scene.sensor.tactels); }
+std::size_t tactels_of(const fem::PadScene& scene) {
+  return static_cast<std::size_t>(scene.sensor.tactels[0]) * static_cast<std::size_t>(scene.sensor.tactels[1]);
+}
+
+std::size_t room_for(const fem::Scene& scene) {
+  const fem::Load& load = scene.load;
+  return until_sliding(load) ? static_cast<std::size_t>(load.indentation_steps) + steps_until_sliding
+                             : fem::load_path(load).steps.size();
+}
+std::size_t room_for(const fem::PadScene& scene) { return fem::pad_targets(scene.load).size(); }
+
+fem::ContactStep step_of(const host::LaneAnswer& answer, int k, const fem::Scene& scene, const fem::LoadPath&) {
+  fem::ContactStep step = host::lane_step([&](int row) { return answer.result(k, row); }, scene.friction);
+  Eigen::MatrixX2d stress(scene.sensor.tactels, 2);
+  answer.tactels(k, std::span(stress.data(), static_cast<std::size_t>(stress.size())));
+  step.sigma_y = stress.col(0), step.tau_xy = stress.col(1);
+  return step;
+}
+fem::PadStep step_of(const host::LaneAnswer& answer, int k, const fem::PadScene& scene, const host::PadPath& path) {
+  fem::PadStep step = host::pad_step([&](int row) { return answer.result(k, row); },
+                                     path.steps[static_cast<std::size_t>(k)], scene.friction);
+  step.stress.resize(static_cast<Eigen::Index>(tactels_of(scene)), 3);
+  answer.tactels(k, std::span(step.stress.data(), static_cast<std::size_t>(step.stress.size())));
+  return step;
+}
+
 /// The answers of many scenes as arrays, which grow with the longest path.
-template <class Paths, class Step>
+template <class Kind, class Paths>
 class PathArrays {
  public:
-  /// Room for so many steps, of so many tactels at most.
-  PathArrays(std::size_t scenes, std::size_t steps, std::size_t tactels) : tactels_(tactels) {
-    paths.scenes = scenes;
-    paths.steps_made.resize(scenes), paths.fell_back.resize(scenes);
+  using Scene = typename Kind::Scene;
+  using Solution = typename Kind::Solution;
+  using Step = typename decltype(Solution::steps)::value_type;
+
+  explicit PathArrays(std::span<const Scene> scenes) {
+    std::size_t steps = 0;
+    for (const Scene& scene : scenes)
+      steps = std::max(steps, room_for(scene)), tactels_ = std::max(tactels_, tactels_of(scene));
+    paths.scenes = scenes.size();
+    paths.steps_made.resize(scenes.size()), paths.fell_back.resize(scenes.size());
+    if constexpr (of_lines)
+      paths.sliding.resize(scenes.size()), paths.tactels = tactels_;
+    else
+      reach.assign(scenes.size(), {fem::nowhere, fem::nowhere});
     widen(steps);
   }
 
-  void put(std::size_t scene, std::size_t step, const Step& from) {
-    if (step >= paths.steps) widen(2 * paths.steps + steps_until_sliding);
-    const std::size_t at = scene * paths.steps + step;
-    host::each_pair(host::quantities<true>(paths), host::quantities<true>(from), [&](auto& list, const auto& value) {
-      using Value = std::remove_cvref_t<decltype(value)>;
-      auto to = list.begin() + static_cast<std::ptrdiff_t>(at * numbers_of(value, tactels_));
-      if constexpr (std::is_same_v<Value, std::optional<double>>)
-        *to = value.value_or(nan);
-      else if constexpr (std::is_convertible_v<Value, double>)
-        *to = value;
-      else
-        std::ranges::copy(value, to);
-    });
+  void put(std::size_t i, const Solution& solution) {
+    for (std::size_t k = 0; k < solution.steps.size(); ++k) put(i, k, solution.steps[k]);
+    paths.steps_made[i] = static_cast<std::uint32_t>(solution.steps.size());
+    paths.fell_back[i] = solution.fell_back;
+    if constexpr (of_lines) paths.sliding[i] = solution.sliding;
   }
 
-  /// Ends the path of a scene.
-  void end(std::size_t scene, std::size_t steps, bool fell_back) {
-    paths.steps_made[scene] = static_cast<std::uint32_t>(steps);
-    paths.fell_back[scene] = fell_back;
+  /// The same of an answer in place, without the increments between the steps that its load asks for: each pressing
+  /// step has `parts`.
+  void put(std::size_t i, const host::LaneAnswer& answer, const Scene& scene, int parts = 1) {
+    const auto path = Kind::path(scene);
+    std::uint32_t& made = paths.steps_made[i];
+    for (int k = 0; k < answer.steps; ++k) {
+      const int status = static_cast<int>(answer.result(k, RESULT_STATUS));
+      if (status == LANE_NOT_RUN) break;
+      const bool pressing = k < answer.indentation_steps;
+      if constexpr (of_lines) paths.sliding[i] = status == LANE_SLIDING && !pressing;
+      if (!pressing || (k + 1) % parts == 0) put(i, made++, step_of(answer, k, scene, path));
+    }
+  }
+
+  /// Puts the answer of a step that was solved alone.
+  void put_alone(std::size_t i, std::size_t k, const Solution& alone) {
+    put(i, k, alone.steps.back());
+    paths.fell_back[i] |= static_cast<std::uint8_t>(alone.fell_back);
   }
 
   /// Returns the arrays, cut to the longest path that was made.
@@ -90,8 +136,29 @@ class PathArrays {
   }
 
   Paths paths;
+  std::vector<fem::PadBox> reach;  ///< [scenes] of pads: of the cells that touch, from the indenter's axis
 
  private:
+  static constexpr bool of_lines = std::is_same_v<Kind, host::LineContacts>;
+
+  void put(std::size_t i, std::size_t k, const Step& step) {
+    if (k >= paths.steps) widen(2 * paths.steps + steps_until_sliding);
+    const std::size_t at = i * paths.steps + k;
+    host::each_pair(host::quantities<true>(paths), host::quantities<true>(step), [&](auto& list, const auto& value) {
+      using Value = std::remove_cvref_t<decltype(value)>;
+      auto to = list.begin() + static_cast<std::ptrdiff_t>(at * numbers_of(value, tactels_));
+      if constexpr (std::is_same_v<Value, std::optional<double>>)
+        *to = value.value_or(nan);
+      else if constexpr (std::is_convertible_v<Value, double>)
+        *to = value;
+      else
+        std::ranges::copy(value, to);
+    });
+    if constexpr (of_lines)
+      paths.slip_index[at] = std::clamp(paths.slip_index[at], -1.0, 1.0);  // as in sets
+    else
+      reach[i].cover(step.reach);
+  }
   void widen(std::size_t steps) {
     if (steps == paths.steps) return;
     const Step none{};
@@ -105,119 +172,7 @@ class PathArrays {
     paths.steps = steps;
   }
 
-  std::size_t tactels_;  ///< of a row
-};
-
-/// Of lines.
-class LineArrays : public PathArrays<Paths, fem::ContactStep> {
- public:
-  /// Room for the steps that the loads ask for; of drags until sliding for the first ones.
-  explicit LineArrays(std::span<const fem::Scene> scenes) : PathArrays(scenes.size(), longest(scenes), widest(scenes)) {
-    paths.tactels = widest(scenes);
-    paths.sliding.resize(scenes.size());
-  }
-
-  void put(std::size_t scene, fem::ContactSolution&& solution) {
-    for (std::size_t k = 0; k < solution.steps.size(); ++k) put(scene, k, solution.steps[k]);
-    end(scene, solution.steps.size(), solution.fell_back);
-    paths.sliding[scene] = solution.sliding;
-  }
-
-  /// The same of an answer in place, without the increments between the steps that its load asks for: each pressing
-  /// step has `parts`.
-  void put(std::size_t i, const host::LaneAnswer& answer, const fem::Scene& scene, int parts) {
-    std::size_t steps = 0;
-    for (int made = 0; made < answer.steps; ++made) {
-      const auto result = [&](int row) { return answer.result(made, row); };
-      const int status = static_cast<int>(result(RESULT_STATUS));
-      if (status == LANE_NOT_RUN) break;
-      const bool pressing = made < answer.indentation_steps;
-      paths.sliding[i] = status == LANE_SLIDING && !pressing;
-      if (pressing && (made + 1) % parts != 0) continue;
-      fem::ContactStep step = host::lane_step(result, scene.friction);
-      stress_.resize(2 * scene.sensor.tactels);
-      answer.tactels(made, std::span(stress_.data(), static_cast<std::size_t>(stress_.size())));
-      step.sigma_y = stress_.head(scene.sensor.tactels), step.tau_xy = stress_.tail(scene.sensor.tactels);
-      put(i, steps++, step);
-    }
-    end(i, steps, false);
-  }
-
- private:
-  void put(std::size_t scene, std::size_t k, fem::ContactStep& step) {
-    if (step.slip_index) step.slip_index = std::clamp(*step.slip_index, -1.0, 1.0);  // as in sets
-    PathArrays::put(scene, k, step);
-  }
-  static std::size_t longest(std::span<const fem::Scene> scenes) {
-    std::size_t steps = 0;
-    for (const fem::Scene& scene : scenes) {
-      const fem::Load& load = scene.load;
-      const auto pressed = static_cast<std::size_t>(load.indentation_steps);
-      steps = std::max(steps, until_sliding(load) ? pressed + steps_until_sliding : fem::load_path(load).steps.size());
-    }
-    return steps;
-  }
-  static std::size_t widest(std::span<const fem::Scene> scenes) {
-    int tactels = 0;
-    for (const fem::Scene& scene : scenes) tactels = std::max(tactels, scene.sensor.tactels);
-    return static_cast<std::size_t>(tactels);
-  }
-
-  Eigen::VectorXd stress_;  ///< of one step
-};
-
-/// Of pads, all with the tactels of the first.
-class PadArrays : public PathArrays<PadPaths, fem::PadStep> {
- public:
-  explicit PadArrays(std::span<const fem::PadScene> scenes)
-      : PathArrays(scenes.size(), longest(scenes), scenes.empty() ? 0 : tactels(scenes.front())), reach(scenes.size()) {
-    if (scenes.empty()) return;
-    std::ranges::copy(scenes.front().sensor.tactels, paths.tactels.begin());
-    paths.axes = scenes.front().sensor.axes;
-  }
-
-  void put(std::size_t i, const fem::PadSolution& solution) {
-    reach[i] = {fem::nowhere, fem::nowhere};
-    for (std::size_t k = 0; k < solution.steps.size(); ++k) put(i, k, solution.steps[k]);
-    end(i, solution.steps.size(), solution.fell_back);
-  }
-
-  /// The same of an answer in place.
-  void put(std::size_t i, const host::LaneAnswer& answer, const fem::PadScene& scene) {
-    const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);
-    reach[i] = {fem::nowhere, fem::nowhere};
-    for (int k = 0; k < answer.steps; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      const auto result = [&](int row) { return answer.result(k, row); };
-      fem::PadStep step = host::pad_step(result, targets[at], scene.friction);
-      step.stress.resize(static_cast<Eigen::Index>(tactels(scene)), 3);
-      answer.tactels(k, std::span(step.stress.data(), static_cast<std::size_t>(step.stress.size())));
-      put(i, at, step);
-    }
-    end(i, targets.size(), false);
-  }
-
-  /// Puts the answer of a step of the pressing that was solved alone.
-  void put_alone(std::size_t i, std::size_t k, const fem::PadSolution& alone) {
-    put(i, k, alone.steps.back());
-    paths.fell_back[i] |= static_cast<std::uint8_t>(alone.fell_back);
-  }
-
-  std::vector<fem::PadBox> reach;  ///< [scenes] of the cells that touch, from the indenter's axis
-
- private:
-  void put(std::size_t i, std::size_t k, const fem::PadStep& step) {
-    reach[i].cover(step.reach);
-    PathArrays::put(i, k, step);
-  }
-  static std::size_t longest(std::span<const fem::PadScene> scenes) {
-    std::size_t steps = 0;
-    for (const fem::PadScene& scene : scenes) steps = std::max(steps, fem::pad_targets(scene.load).size());
-    return steps;
-  }
-  static std::size_t tactels(const fem::PadScene& scene) {
-    return static_cast<std::size_t>(scene.sensor.tactels[0]) * static_cast<std::size_t>(scene.sensor.tactels[1]);
-  }
+  std::size_t tactels_ = 0;  ///< of a row
 };
 
 /// The answers of scenes of the line, without warnings.
@@ -235,7 +190,7 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
   const host::Precision own = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
   const host::Precision meshes = asked ? rung.precision : own;
 
-  LineArrays arrays(scenes);
+  PathArrays<host::LineContacts, Paths> arrays(scenes);
   std::size_t done = 0;
   const auto solve = [&](bool on_meshes) {
     std::vector<std::size_t> which;
@@ -266,7 +221,7 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
         },
         [&](std::size_t k, fem::ContactSolution&& solution) {
           if (parts[k] > 1) fem::keep_own_steps(solution, scenes[which[k]].load, parts[k]);
-          arrays.put(which[k], std::move(solution));
+          arrays.put(which[k], solution);
         },
         [&](std::size_t some) { return progress(done + some, scenes.size()); });
     if (!all) throw Cancelled("solve_many: cancelled by progress");
@@ -343,7 +298,9 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
     const host::PadRung rung = rung_for_pads(executor, asked, all);
     const host::Precision precision = asked.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
     const host::PadStream stream(executor, {kernel_of(rung, asked.tolerance), precision});
-    PadArrays arrays(all);
+    PathArrays<host::PadContacts, PadPaths> arrays(all);
+    if (!all.empty())
+      std::ranges::copy(all[0].sensor.tactels, arrays.paths.tactels.begin()), arrays.paths.axes = all[0].sensor.axes;
     std::vector<std::pair<std::size_t, std::size_t>> coarse;  // scene, step of the pressing
     const bool solved = stream.solve(
         all,
