@@ -34,7 +34,7 @@
 namespace tactel::host {
 namespace {
 
-using Errors = fem::PadReferenceSolution::Errors;
+using Errors = AnswerError;
 constexpr std::array<const char*, 6> names = {"S", "P", "Q", "M", "sigma", "tau"};
 
 /// Numbers of an answer that errors are made of, in order.
@@ -128,9 +128,8 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
       const std::vector<Errors>& of = errors.at(rung.name)[k];
       out << (k == 0 ? "{{" : ",\n         {{");
       for (const auto member : fem::pad_error_members)
-        out << fmt::format("{}{:.4f}", member == &Errors::slip_index ? "" : ", ",
-                           covering_value(column(of, member), 0.95));
-      out << fmt::format("}}, {:.4f}}}", covering_value(column(of, &Errors::slip_index), 1));
+        out << fmt::format("{}{:.4f}", member == &Errors::S ? "" : ", ", covering_value(column(of, member), 0.95));
+      out << fmt::format("}}, {:.4f}}}", covering_value(column(of, &Errors::S), 1));
     }
     out << "}}},\n";
   }
@@ -163,7 +162,7 @@ struct Tally {
     const Errors off = fem::pad_difference(outcome.solution, truth.solution);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto member = fem::pad_error_members[k];
-      said[k].push_back(outcome.error->most95.*member);
+      said[k].push_back(outcome.error->expected.*member);
       made[k].push_back(std::max(0.0, off.*member - truth.error.*member));
     }
   }

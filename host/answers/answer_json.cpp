@@ -56,14 +56,12 @@ Json steps_json(const std::vector<Step>& steps, bool base, bool shear) {
   return all;
 }
 
-Json error_json(const MeshError& error) {
+Json error_json(const ExpectedError& error, bool of_pad) {
   const AnswerError& e = error.expected;
-  return {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}, {"sigma_y", e.sigma}, {"tau_xy", e.tau}, {"from", error.finer}};
-}
-Json error_json(const PadError& error) {
-  const auto& e = error.most95;
-  Json out = {{"slip_index", e.slip_index}, {"P", e.P}, {"Q", e.Q}, {"M", e.M}, {"sigma_z", e.sigma}, {"tau", e.tau}};
-  out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
+  Json out = {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}};
+  if (of_pad) out["M"] = e.M;
+  out[of_pad ? "sigma_z" : "sigma_y"] = e.sigma, out[of_pad ? "tau" : "tau_xy"] = e.tau;
+  if (of_pad) out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
   if (!error.from.empty()) out["from"] = error.from;
   return out;
 }
@@ -118,7 +116,7 @@ Json to_json(const SolveOutcome& outcome) {
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
   if (outcome.derivatives) out["derivatives"] = derivatives_json(*outcome.derivatives);
   if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
-  if (outcome.mesh_error) out["discretisation_error"] = error_json(*outcome.mesh_error);
+  if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, false);
   return out;
 }
 
@@ -135,7 +133,7 @@ Json to_json(const PadOutcome& outcome) {
               {"fallback", solution.fell_back},
               {"warnings", warnings(outcome)},
               {"steps", steps_json(solution.steps, true, outcome.scene.sensor.axes == 3)}});
-  if (outcome.error) out["discretisation_error"] = error_json(*outcome.error);
+  if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, true);
   if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.accuracy) out["accuracy"] = {{"asked", *outcome.accuracy}, {"kept", outcome.kept()}};
   return out;

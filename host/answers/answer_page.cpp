@@ -56,22 +56,19 @@ std::string headline(const auto& outcome) {
                      drag_of(steps[first]), *last.slip_index, forces_of(last));
 }
 
-void add_errors(Page& page, const AnswerError& e, const char* sigma, const char* tau, const std::string& judge) {
-  page.finding(Tone::fact, "error",
-               fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest {} and {} of "
-                           "the largest {} at the tactels ({}).",
-                           e.S, percent(e.P), percent(e.sigma), sigma, percent(e.tau), tau, judge));
+std::string error_text(const ExpectedError& error, const char* sigma, const char* tau, const std::string& judge) {
+  const AnswerError& e = error.expected;
+  return fmt::format(
+      "To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest {} and {} of the largest {} at "
+      "the "
+      "tactels ({}).",
+      e.S, percent(e.P), percent(e.sigma), sigma, percent(e.tau), tau, judge);
 }
-
-void add_error(Page& page, const SolveOutcome& outcome) {
-  if (!outcome.mesh_error) return;
-  add_errors(page, outcome.mesh_error->expected, "σ_y", "τ_xy", "beside " + outcome.mesh_error->finer);
+std::string error_of(const SolveOutcome& outcome) {
+  return error_text(*outcome.error, "σ_y", "τ_xy", "beside " + outcome.error->from);
 }
-void add_error(Page& page, const PadOutcome& outcome) {
-  if (!outcome.error) return;
-  const auto& e = outcome.error->most95;
-  add_errors(page, {.S = e.slip_index, .P = e.P, .sigma = e.sigma, .tau = e.tau}, "σ_z", "τ",
-             judged_by(*outcome.error));
+std::string error_of(const PadOutcome& outcome) {
+  return error_text(*outcome.error, "σ_z", "τ", judged_by(*outcome.error));
 }
 
 std::string model_text(const SolveOutcome& outcome) {
@@ -91,7 +88,7 @@ void add_findings(Page& page, const auto& outcome) {
       all ? Tone::good : Tone::poor, all ? "certified" : "not met",
       fmt::format("{} of {} load steps meet the tolerance of the contact laws; the largest residual is {:.1e}.", met,
                   steps.size(), worst));
-  add_error(page, outcome);
+  if (outcome.error) page.finding(Tone::fact, "error", error_of(outcome));
   page.finding(Tone::fact, "model", model_text(outcome) + ".");
   for (const std::string& warning : warnings(outcome)) page.finding(Tone::fair, "warning", warning);
 }

@@ -55,14 +55,6 @@ std::string row(std::size_t number, const fem::ContactStep& step) {
                      step.converged ? "yes" : "NO", largest_residual(step));
 }
 
-std::string mesh_error_line(const SolveOutcome& outcome) {
-  const AnswerError& e = outcome.mesh_error->expected;
-  return fmt::format(
-      "error of the {} to expect (from {}): S {:.2g},\n  P {}, Q {}, sigma_y {}, tau_xy {} of the largest\n",
-      outcome.on_patch() ? "patch" : "mesh", outcome.mesh_error->finer, e.S, percent(e.P), percent(e.Q),
-      percent(e.sigma), percent(e.tau));
-}
-
 // ---- of a pad
 
 /// A part of the tangential load with as many digits as P has.
@@ -80,13 +72,6 @@ std::string pad_row(std::size_t number, const fem::PadStep& step) {
                      step.slip_index ? fixed(*step.slip_index, 4) : "-", 100 * step.stick_fraction);
 }
 
-std::string error_line(const PadError& error) {
-  const auto& e = error.most95;
-  return fmt::format("error in S to expect: {:.2g} ({})\n  P {}, Q {}, M {}, sigma_z {}, tau {} of the largest\n",
-                     e.slip_index, judged_by(error), percent(e.P), percent(e.Q), percent(e.M), percent(e.sigma),
-                     percent(e.tau));
-}
-
 }  // namespace
 
 std::string answer_table(const SolveOutcome& outcome) {
@@ -100,7 +85,13 @@ std::string answer_table(const SolveOutcome& outcome) {
   for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);
   if (outcome.solution.sliding) out += "the whole contact slides\n";
   if (never_slid(outcome.scene, outcome.solution)) out += "the contact does not slide as a whole\n";
-  if (outcome.mesh_error) out += mesh_error_line(outcome);
+  if (outcome.error) {
+    const AnswerError& e = outcome.error->expected;
+    out += fmt::format(
+        "error of the {} to expect (from {}): S {:.2g},\n  P {}, Q {}, sigma_y {}, tau_xy {} of the largest\n",
+        outcome.on_patch() ? "patch" : "mesh", outcome.error->from, e.S, percent(e.P), percent(e.Q), percent(e.sigma),
+        percent(e.tau));
+  }
   if (outcome.solution.linear_elements)
     out += "wide elements on thin rubber: their pressures are linear, solved on the host in fp64\n";
   else if (outcome.solution.fell_back)
@@ -125,7 +116,12 @@ std::string answer_table(const PadOutcome& outcome) {
   }
   const auto met = std::ranges::count_if(steps, &fem::PadStep::converged);
   out += fmt::format("{} of {} steps met the tolerance; largest residual {:.1e}\n", met, steps.size(), residual);
-  if (outcome.error) out += error_line(*outcome.error);
+  if (outcome.error) {
+    const AnswerError& e = outcome.error->expected;
+    out += fmt::format("error in S to expect: {:.2g} ({})\n  P {}, Q {}, M {}, sigma_z {}, tau {} of the largest\n",
+                       e.S, judged_by(*outcome.error), percent(e.P), percent(e.Q), percent(e.M), percent(e.sigma),
+                       percent(e.tau));
+  }
   if (outcome.solution.fell_back) out += "the sweeps did not converge: solved on the host by the twin, in fp64\n";
   if (outcome.convergence) out += convergence_table(*outcome.convergence);
   return out;

@@ -76,10 +76,10 @@ AnswerError scaled(const AnswerError& difference, double factor) {
   return error;
 }
 
-MeshError error_beside(const fem::ContactSolution& answer, const fem::ContactSolution& judge, std::string finer) {
+ExpectedError error_beside(const fem::ContactSolution& answer, const fem::ContactSolution& judge, std::string finer) {
   std::vector<std::size_t> steps(std::min(answer.steps.size(), judge.steps.size()));
   std::iota(steps.begin(), steps.end(), 0);
-  MeshError error{scaled(answer_error(answer, steps, judge, steps), first_order), std::move(finer)};
+  ExpectedError error{scaled(answer_error(answer, steps, judge, steps), first_order), std::move(finer)};
   error.expected.S = std::min(1.0, error.expected.S);
   return error;
 }
@@ -100,7 +100,7 @@ fem::ContactSolution on_elements(const fem::LayerModel& model, const fem::Scene&
 
 /// Beside twice as many elements. An answer of many is compared with half as many: to first order the difference is its
 /// own error, and twice that is safe.
-std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+std::optional<ExpectedError> patch_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
   if (answer.steps.size() > most_steps) return {};
   const int elements = static_cast<int>(answer.surface_width.size());
   const bool many = 2 * elements > most_elements;
@@ -108,12 +108,12 @@ std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::Contact
   const bool linear = answer.linear_elements;
   const bool exact = many || linear || near_end(scene.sensor, answer);
   const fem::LayerModel model = fem::layer_model(scene.sensor);
-  const auto error_by = [&](int number) -> std::optional<MeshError> {
+  const auto error_by = [&](int number) -> std::optional<ExpectedError> {
     const fem::ContactSolution judge = on_elements(model, scene, number, exact, linear);
     if (!every_step_converged(judge)) return {};
     return error_beside(answer, judge, fmt::format("{} elements", number));
   };
-  std::optional<MeshError> error = error_by(others);
+  std::optional<ExpectedError> error = error_by(others);
   if (!error) return {};
   // With little friction single elements decide on S, and two numbers of elements agree more often by chance.
   if (scene.friction < least_friction && !many)
@@ -136,7 +136,8 @@ FinerAnswer begin_finer(const fem::Scene& scene) {
   return std::async(std::launch::async, exact_answer, refined(scene, {}), fem::default_cache_directory());
 }
 
-std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer, FinerAnswer finer) {
+std::optional<ExpectedError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer,
+                                        FinerAnswer finer) {
   if (answer.surface_width.size() > 0) return patch_error(scene, answer);
   if (!has_finer(scene.sensor, answer.steps.size())) return {};
   fem::ContactSolution judge =
@@ -155,12 +156,12 @@ std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution&
   return fmt::format("the {} for comparison could not be solved", patch ? "patch" : "mesh");
 }
 
-std::optional<MeshError> mesh_error(const RungChoice& plan) {
+std::optional<ExpectedError> mesh_error(const RungChoice& plan) {
   if (plan.trials.empty() || plan.trials.back().missed) return {};
   const PlanTrial& last = plan.trials.back();
   const bool coarser = last.rung == plan.rung.name;  // else the finest, which differs from the rung below
   const AnswerError difference{.P = last.P, .Q = last.Q, .sigma = last.sigma, .tau = last.tau};
-  MeshError error{scaled(difference, coarser ? first_order : 1), "rung " + (coarser ? last.next : last.rung)};
+  ExpectedError error{scaled(difference, coarser ? first_order : 1), "rung " + (coarser ? last.next : last.rung)};
   error.expected.S = plan.estimate;
   return error;
 }

@@ -9,13 +9,6 @@
 
 namespace tactel::host {
 
-/// Expected discretization error of an answer: of S absolutely, of P and Q relative to their largest along the path,
-/// of stresses at the tactels relative to theirs. It is made of the differences from a finer mesh (docs/accuracy.md).
-struct MeshError {
-  AnswerError expected;
-  std::string finer;  ///< the model of comparison: "81 x 21", "24 elements"
-};
-
 /// The answer of a scene's finer model. Begun before the scene is solved, it takes the time of another core.
 using FinerAnswer = std::future<fem::ContactSolution>;
 
@@ -27,13 +20,13 @@ FinerAnswer begin_finer(const fem::Scene& scene);
 /// patch's twin with twice the elements, or the exact solver with half of more than 24. None where that would take
 /// seconds (more than 81 columns, 33 rows or 100 load steps), and where it fails.
 /// `finer`: of begin_finer; without a state it is made here.
-std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer,
-                                    FinerAnswer finer = {});
+std::optional<ExpectedError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer,
+                                        FinerAnswer finer = {});
 
 /// Returns why mesh_error has no estimate of an answer: "it has more than 81 columns ..." or "24 elements ...".
 std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution& answer);
 
 /// Returns what the planner knows of its answer's error; none where a mesh missed a contact or no rung was compared.
-std::optional<MeshError> mesh_error(const RungChoice& plan);
+std::optional<ExpectedError> mesh_error(const RungChoice& plan);
 
 }  // namespace tactel::host

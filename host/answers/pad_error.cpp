@@ -7,12 +7,11 @@
 #include <cmath>
 
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_reference.h"
 #include "host/contact/pad_stream.h"
 
 namespace tactel::host {
 namespace {
-
-using Errors = fem::PadReferenceSolution::Errors;
 
 constexpr double beyond_the_measured = 3;
 constexpr std::size_t most_compared_steps = 100;
@@ -56,7 +55,7 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
   return all;
 }
 
-std::string judged_by(const PadError& error) {
+std::string judged_by(const ExpectedError& error) {
   if (!error.from.empty()) return "beside " + error.from;
   return error.outside.empty() ? "95 % of scenes, " + error.scenes : "three times that of measured scenes";
 }
@@ -75,15 +74,18 @@ const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene) {
 const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy) {
   const std::vector<PadRung>& rungs = pad_rungs();
   return *std::find_if(rungs.begin(), std::prev(rungs.end(), 2),
-                       [&](const PadRung& rung) { return class_errors(rung, scene).most95.slip_index <= accuracy; });
+                       [&](const PadRung& rung) { return class_errors(rung, scene).most95.S <= accuracy; });
 }
 
-PadError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth) {
+ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth) {
   const PadErrors& errors = class_errors(rung, scene);
-  PadError error{errors.most95, errors.largest, name(pad_class(scene)), outside(measured_classes, scene, depth)};
+  ExpectedError error{.expected = errors.most95,
+                      .largest = errors.largest,
+                      .scenes = name(pad_class(scene)),
+                      .outside = outside(measured_classes, scene, depth)};
   if (error.outside.empty()) return error;
-  for (const auto member : fem::pad_error_members) error.most95.*member *= beyond_the_measured;
-  double& S = error.most95.slip_index;
+  for (const auto member : fem::pad_error_members) error.expected.*member *= beyond_the_measured;
+  double& S = error.expected.S;
   S = std::min(1.0, S), error.largest = std::max(error.largest, S);
   return error;
 }
@@ -99,26 +101,26 @@ const fem::PadSolution& PadJudge::finer(int cells) {
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }
 
-std::optional<PadError> PadJudge::error(const PadRung& rung, const fem::PadSolution& answer) {
+std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::PadSolution& answer) {
   if (answer.steps.size() > most_compared_steps) return {};
   const fem::PadSolution& other = finer(finer_cells(rung));
   if (!every_step_converged(other)) return {};
-  PadError error{.most95 = fem::pad_difference(answer, other),
-                 .scenes = "this scene",
-                 .outside = outside(measured_judge, scene_, deepest(answer))};
+  ExpectedError error{.expected = fem::pad_difference(answer, other),
+                      .from = fmt::format("{0} x {0} cells", other.cells.n),
+                      .scenes = "this scene",
+                      .outside = outside(measured_judge, scene_, deepest(answer))};
   const double by_cells = more / (1 - std::pow(static_cast<double>(rung.cells) / other.cells.n, order));
   const bool map = std::holds_alternative<fem::HeightMap>(scene_.indenter.shape);
   for (const auto member : fem::pad_error_members) {
-    double& e = error.most95.*member;
+    double& e = error.expected.*member;
     if (!std::isfinite(e)) return {};
     if (e == 0) continue;  // without friction
-    const bool of_pressure = member == &Errors::P || member == &Errors::sigma;
+    const bool of_pressure = member == &AnswerError::P || member == &AnswerError::sigma;
     e = least + e * (of_pressure ? by_cells : std::max(by_cells, by_increments));
     if (of_pressure && map) e += least_of_map / rung.cells;
   }
-  error.most95.slip_index = std::min(1.0, error.most95.slip_index);
-  error.largest = std::min(1.0, 2 * error.most95.slip_index);
-  error.from = fmt::format("{0} x {0} cells", other.cells.n);
+  error.expected.S = std::min(1.0, error.expected.S);
+  error.largest = std::min(1.0, 2 * error.expected.S);
   return error;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/pad/pad_reference.h"
+#include "host/answers/rung_error.h"
 #include "host/contact/pad_rung.h"
 
 namespace tactel::host {
@@ -20,7 +20,7 @@ PadClass pad_class(const fem::PadScene& scene);
 
 /// Errors of a rung on scenes of a class: what 95 % of them stay below, and the largest of S.
 struct PadErrors {
-  fem::PadReferenceSolution::Errors most95;
+  AnswerError most95;
   double largest;
 };
 /// By class, [pad_classes]; host/answers/measured_pads.cpp holds them.
@@ -29,16 +29,6 @@ struct MeasuredPadRung {
   std::array<PadErrors, pad_classes> of;
 };
 std::span<const MeasuredPadRung> measured_pads();
-
-/// Errors to expect of an answer on a pad.
-struct PadError {
-  fem::PadReferenceSolution::Errors most95;  ///< what 95 % of answers stay below
-  double largest = 0;                        ///< of S: what almost all stay below
-  std::string scenes;                        ///< "this scene"; "smooth": by the class of the scene
-  std::vector<std::string>
-      outside{};       ///< what lies outside the scenes measured, "friction 0.01 (measured 0.05 to 1.5)"
-  std::string from{};  ///< the second solution of this scene: "24 x 24 cells"; empty: by the class
-};
 
 /// Scenes on which errors were measured, by Poisson's ratio, depth over the thickness and friction above 0: the table,
 /// and what a second solution of a scene states (PadJudge).
@@ -51,7 +41,7 @@ inline constexpr MeasuredPadScenes measured_classes{{0.3, 0.5}, {0.02, 0.2}, {0.
 std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::PadScene& scene, double depth);
 
 /// Returns what errors rest on: "beside 24 x 24 cells", "95 % of scenes, smooth".
-std::string judged_by(const PadError& error);
+std::string judged_by(const ExpectedError& error);
 
 double deepest(const fem::PadSolution& solution);  ///< mm, of all steps
 
@@ -62,7 +52,7 @@ const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene);
 const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy);
 /// Returns the errors to expect by them on a scene that was pressed to this depth, mm: for a scene outside the measured
 /// ones three times those, as on lines (host/answers/planner.h).
-PadError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
+ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
 
 /// Solves a scene a second time to state the errors of its answers: by the twin, on 24 or more cells with twice as many
 /// increments of pressing and drags.
@@ -73,7 +63,7 @@ class PadJudge {
   /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
   /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds,
   /// and where the second solution misses its tolerance.
-  std::optional<PadError> error(const PadRung& rung, const fem::PadSolution& answer);
+  std::optional<ExpectedError> error(const PadRung& rung, const fem::PadSolution& answer);
 
  private:
   const fem::PadSolution& finer(int cells);

@@ -48,10 +48,8 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   if (outcome.rung.exact) {
     outcome.solver = "reference";
     fem::PadReferenceSolution answer = fem::PadReference(layer).solve(outcome.scene);
-    outcome.error = PadError{.most95 = answer.error,
-                             .largest = answer.error.slip_index,
-                             .scenes = "this scene",
-                             .from = "half as many cells"};
+    outcome.error = {
+        .expected = answer.error, .from = "half as many cells", .largest = answer.error.S, .scenes = "this scene"};
     outcome.solution = std::move(answer.solution);
     return;
   }

@@ -2,25 +2,31 @@
 #pragma once
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "fem/answer_error.h"
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
 #include "host/scenes/ladder.h"
 
 namespace tactel::host {
 
-/// Error of an answer: the largest difference from another one over the increments that the load requests.
-struct AnswerError {
-  double S = 0;      ///< of Q / (mu P) itself, which lies between -1 and 1; 1 where only one of the two touches at all
-  double P = 0;      ///< over the path's largest P
-  double Q = 0;      ///< over the path's largest |Q|
-  double sigma = 0;  ///< at any tactel, over the largest |sigma_y| at any of them along the path
-  double tau = 0;    ///< the same of tau_xy
-};
+using fem::AnswerError;
+/// Those of lines, which tables of errors have.
 inline constexpr std::array<double AnswerError::*, 5> error_members = {
     &AnswerError::S, &AnswerError::P, &AnswerError::Q, &AnswerError::sigma, &AnswerError::tau};
 inline constexpr std::array<const char*, 5> error_names = {"S", "P", "Q", "sigma", "tau"};
+
+/// Errors to expect of an answer: on lines from its differences from a finer one (docs/accuracy.md), on pads what 95 %
+/// of answers stay below.
+struct ExpectedError {
+  AnswerError expected;
+  std::string from{};    ///< the model of comparison: "81 x 21", "24 elements", "24 x 24 cells"; empty: by class
+  double largest = 0;    ///< of pads, of S: what almost all answers stay below
+  std::string scenes{};  ///< of pads: "this scene"; "smooth": by the class of the scene
+  std::vector<std::string> outside{};  ///< of pads: "friction 0.01 (measured 0.05 to 1.5)", outside the measured scenes
+};
 
 /// Returns the error of `answer` on `rung`, beside `judge` on `judge_rung`. The tactels at the very ends are
 /// excluded: there the bonded base meets the free side, and the exact stress is infinite.

@@ -94,15 +94,15 @@ bool only_pressed(const fem::ContactSolution& solution) {
 
 }  // namespace
 
-std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer) {
+std::optional<ExpectedError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer) {
   auto error = outcome.plan ? mesh_error(*outcome.plan) : mesh_error(outcome.scene, outcome.solution, std::move(finer));
   if (error && only_pressed(outcome.solution)) error->expected.Q = 0;  // relative to Q, rounding would be any number
   return error;
 }
 
 void estimate_error(SolveOutcome& outcome, FinerAnswer finer) {
-  outcome.mesh_error = mesh_error(outcome, std::move(finer));
-  if (outcome.mesh_error) return;
+  outcome.error = mesh_error(outcome, std::move(finer));
+  if (outcome.error) return;
   outcome.no_estimate = outcome.plan ? "one of the rungs that were compared misses the contact"
                                      : why_no_estimate(outcome.scene, outcome.solution);
 }

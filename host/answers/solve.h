@@ -39,7 +39,7 @@ struct SolveOutcome {
   std::string rung{};                                       ///< empty: the scene's own model
   std::optional<RungChoice> plan{};                         ///< reason for the rung, where an accuracy was requested
   std::string model_reason{};                               ///< why this model, patch or mesh, answered
-  std::optional<MeshError> mesh_error{};                    ///< of solve's command; none: not estimated
+  std::optional<ExpectedError> error{};                     ///< of solve's command; none: not estimated
   std::string no_estimate{};                                ///< why there is none, where one was wanted
   std::shared_ptr<const ContactDerivatives> derivatives{};  ///< none: not asked for
   std::shared_ptr<const Convergence> convergence{};         ///< none: not asked for
@@ -54,11 +54,11 @@ struct PadOutcome {
   std::string solver, precision, device;  ///< solver: "batched", "twin" or "reference"
   fem::PadScene scene{};
   PadRung rung{};
-  std::optional<PadError> error{};                   ///< to expect; none where nothing is touched
+  std::optional<ExpectedError> error{};              ///< to expect; none where nothing is touched
   std::optional<double> accuracy{};                  ///< that was asked for and decided the rung
   std::shared_ptr<const Convergence> convergence{};  ///< none: not asked for
 
-  bool kept() const { return !accuracy || !error || error->most95.slip_index <= *accuracy; }
+  bool kept() const { return !accuracy || !error || error->expected.S <= *accuracy; }
 };
 
 /// Throws ConfigError where an accuracy is requested together with an option that it decides, and where it or the
@@ -72,8 +72,8 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options);
 
 /// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.
 /// `finer`: of begin_finer.
-std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer = {});
-/// Estimates it as `outcome.mesh_error`, or says in `outcome.no_estimate` why there is none.
+std::optional<ExpectedError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer = {});
+/// Estimates it as `outcome.error`, or says in `outcome.no_estimate` why there is none.
 void estimate_error(SolveOutcome& outcome, FinerAnswer finer = {});
 
 /// Returns "patch of 12 elements, 0.105 mm wide" or "mesh 41 x 11 bbar"; of a pad "12 x 12 cells of 0.21 x 0.21 mm".

@@ -120,9 +120,9 @@ std::optional<std::string> edge_warning(const PadOutcome& outcome) {
 
 std::optional<std::string> error_warning(const PadOutcome& outcome) {
   if (!outcome.error) return std::nullopt;
-  const auto& e = outcome.error->most95;
-  if (e.slip_index <= large_error && e.P <= large_error) return std::nullopt;
-  return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", e.slip_index, percent(e.P));
+  const auto& e = outcome.error->expected;
+  if (e.S <= large_error && e.P <= large_error) return std::nullopt;
+  return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", e.S, percent(e.P));
 }
 
 /// Error of P of a step whose contact extends over so few cells: fem::least_across.

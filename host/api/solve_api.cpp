@@ -61,9 +61,9 @@ Path path_of(const host::SolveOutcome& outcome) {
   path.surface_x = numbers(solution.surface_x), path.surface_width = numbers(solution.surface_width);
   path.base_x = numbers(solution.base_x), path.tactel_x = numbers(solution.tactel_x);
   path.sliding = solution.sliding, path.model_reason = outcome.model_reason;
-  if (const auto& error = outcome.mesh_error) {
+  if (const auto& error = outcome.error) {
     const host::AnswerError& e = error->expected;
-    path.error = {e.S, e.P, e.Q, e.sigma, e.tau, error->finer};
+    path.error = {e.S, e.P, e.Q, e.sigma, e.tau, error->from};
   }
   return path;
 }
@@ -80,8 +80,8 @@ PadPath path_of(const host::PadOutcome& outcome) {
   for (Eigen::Index j = 0; j < ny; ++j) path.tactel_y.push_back(tactels(j * nx, 1));
   path.rung = outcome.rung.name;
   if (const auto& error = outcome.error) {
-    const auto& e = error->most95;
-    path.error = {e.slip_index, error->largest, error->scenes, error->outside, e.P, e.Q,
+    const host::AnswerError& e = error->expected;
+    path.error = {e.S, error->largest, error->scenes, error->outside, e.P, e.Q,
                   e.M,          e.sigma,        e.tau,         error->from};
   }
   return path;

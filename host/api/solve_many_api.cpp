@@ -269,7 +269,7 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
   const auto keeps = [&](const host::PadRung& rung) {
     for (std::size_t k = 0; k < count; ++k) {
       const double depth = host::deepest(solutions[k]);
-      if (host::expected_pad_error(rung, sample[k], depth).most95.slip_index > *options.accuracy) return false;
+      if (host::expected_pad_error(rung, sample[k], depth).expected.S > *options.accuracy) return false;
     }
     return true;
   };

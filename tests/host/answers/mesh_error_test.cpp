@@ -50,7 +50,7 @@ TEST(MeshError, OfTheExampleCoversItsTrueError) {
   const fem::ContactSolution answer = fem::solve_gap_reference(scene);
   const auto found = mesh_error(scene, answer);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->finer, "81 x 21");
+  EXPECT_EQ(found->from, "81 x 21");
   const AnswerError truth = true_error(scene, answer, 321, 81);
   EXPECT_NEAR(truth.P, 0.027, 0.003);
   for (std::size_t i = 0; i < error_members.size(); ++i) {
@@ -137,14 +137,14 @@ TEST(MeshError, OfAPlanIsThePlanners) {
   plan.trials = {trial};
   const auto kept = mesh_error(plan);
   ASSERT_TRUE(kept);
-  EXPECT_EQ(kept->finer, "rung medium");
+  EXPECT_EQ(kept->from, "rung medium");
   EXPECT_EQ(kept->expected.S, 0.0125);
   EXPECT_DOUBLE_EQ(kept->expected.P, 0.06);
   EXPECT_DOUBLE_EQ(kept->expected.Q, 0.04);
   EXPECT_DOUBLE_EQ(kept->expected.sigma, 0.10);
   EXPECT_DOUBLE_EQ(kept->expected.tau, 0.08);
   plan.rung = rung_named("medium");
-  EXPECT_EQ(mesh_error(plan)->finer, "rung paper");
+  EXPECT_EQ(mesh_error(plan)->from, "rung paper");
   EXPECT_DOUBLE_EQ(mesh_error(plan)->expected.P, 0.03);
   plan.trials[0].missed = true;
   EXPECT_FALSE(mesh_error(plan));
@@ -155,7 +155,7 @@ TEST(MeshError, StandsInTableAndJsonWhereItIsKnown) {
   outcome.scene = parabola();
   EXPECT_FALSE(to_json(outcome).contains("discretisation_error"));
   EXPECT_THAT(answer_table(outcome), Not(HasSubstr("error of the mesh")));
-  outcome.mesh_error = MeshError{{.S = 0.02, .P = 0.045, .Q = 0.05, .sigma = 0.1, .tau = 0.125}, "81 x 21"};
+  outcome.error = ExpectedError{{.S = 0.02, .P = 0.045, .Q = 0.05, .sigma = 0.1, .tau = 0.125}, "81 x 21"};
   const auto json = to_json(outcome)["discretisation_error"];
   EXPECT_EQ(json["slip_index"], 0.02);
   EXPECT_EQ(json["P"], 0.045);

@@ -306,12 +306,12 @@ TEST(PadRungs, AreChosenByNameOrAccuracy) {
   EXPECT_EQ(solve(scene, {.precision = "fp32"}).rung.name, "pad-12");
   // The cheapest whose error of the class and of the scene itself are small enough.
   for (const char* rung : {"pad-8", "pad-12"}) {
-    const double here = solve(scene, {.rung = rung}).error->most95.slip_index;
-    const double error = std::max(here, class_errors(pad_rung_named(rung), scene).most95.slip_index);
+    const double here = solve(scene, {.rung = rung}).error->expected.S;
+    const double error = std::max(here, class_errors(pad_rung_named(rung), scene).most95.S);
     const PadOutcome enough = solve(scene, {.accuracy = error}), finer = solve(scene, {.accuracy = 0.99 * here});
     EXPECT_LE(enough.solution.cells.n, pad_rung_named(rung).cells);
     EXPECT_NE(finer.rung.name, rung);
-    EXPECT_LE(finer.error->most95.slip_index, 0.99 * here);
+    EXPECT_LE(finer.error->expected.S, 0.99 * here);
     EXPECT_TRUE(enough.kept() && finer.kept());
   }
 }
@@ -330,13 +330,13 @@ TEST(PadRungs, ClassesAndErrors) {
   EXPECT_EQ(class_of(fem::HeightMap{}), PadClass::height_map);
   scene = dragged();
   const PadRung& rung = pad_rung_named("pad-12");
-  const PadError inside = expected_pad_error(rung, scene, 0.2);
-  EXPECT_EQ(inside.most95.slip_index, measured_pads()[1].of[0].most95.slip_index);
+  const ExpectedError inside = expected_pad_error(rung, scene, 0.2);
+  EXPECT_EQ(inside.expected.S, measured_pads()[1].of[0].most95.S);
   EXPECT_THAT(inside.outside, IsEmpty());
   scene.friction = 2;
-  const PadError outside = expected_pad_error(rung, scene, 0.2);
-  EXPECT_DOUBLE_EQ(outside.most95.slip_index, 3 * inside.most95.slip_index);
-  EXPECT_DOUBLE_EQ(outside.most95.P, 3 * inside.most95.P);
+  const ExpectedError outside = expected_pad_error(rung, scene, 0.2);
+  EXPECT_DOUBLE_EQ(outside.expected.S, 3 * inside.expected.S);
+  EXPECT_DOUBLE_EQ(outside.expected.P, 3 * inside.expected.P);
   EXPECT_THAT(outside.outside, ElementsAre("friction 2 (measured 0.1 to 1.5)"));
 }
 
@@ -347,7 +347,7 @@ TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
     for (int c = 0; c < pad_classes; ++c) {
       const PadErrors& e = measured_pads()[r].of[c];
       EXPECT_EQ(measured_pads()[r].name, pad_rungs()[r].name);
-      EXPECT_TRUE(0 < e.most95.slip_index && e.most95.slip_index <= e.largest);
+      EXPECT_TRUE(0 < e.most95.S && e.most95.S <= e.largest);
       for (const auto member : fem::pad_error_members)
         EXPECT_LT(measured_pads().back().of[c].most95.*member, measured_pads().front().of[c].most95.*member) << c;
     }
