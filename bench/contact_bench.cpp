@@ -36,8 +36,8 @@ double useful_flops(const Batch& batch, int outputs) {
   double flops = 0;
   for (std::size_t i = 0; i < batch.size(); ++i)
     for (int k = 0; k < batch.steps(); ++k) {
-      const double touching = batch.result(i, k, LANE_STICKING) + batch.result(i, k, LANE_SLIPPING);
-      flops += 8 * touching * touching * (batch.result(i, k, LANE_SWEEPS) + 1) + 4 * touching * outputs;
+      const double touching = batch.result(i, k, RESULT_STICKING) + batch.result(i, k, RESULT_SLIPPING);
+      flops += 8 * touching * touching * (batch.result(i, k, RESULT_SWEEPS) + 1) + 4 * touching * outputs;
     }
   return flops;
 }
@@ -56,7 +56,7 @@ double sweeps_with_neighbours(const typename host::GapSweep<Real>::Batch& batch,
     for (int k = 0; k < batch.steps(); ++k) {
       Real most = 0;
       const std::size_t end = std::min(first + group, order.size());
-      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
+      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, RESULT_SWEEPS));
       sum += static_cast<double>(end - first) * most;
       steps += static_cast<double>(end - first);
     }
@@ -99,11 +99,11 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
   double unsolved = 0, sweeps = 0, residual = 0, pressing = 0, first_drag = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (int k = 0; k < batch.steps(); ++k) {
-      unsolved += static_cast<int>(batch.result(i, k, LANE_STATUS)) >= LANE_UNSOLVED;
-      sweeps += batch.result(i, k, LANE_SWEEPS);
-      if (k == 0) pressing += batch.result(i, k, LANE_SWEEPS);
-      if (k == 1) first_drag += batch.result(i, k, LANE_SWEEPS);
-      for (int row : {LANE_PENETRATION, LANE_CONE, LANE_COMPLEMENTARITY, LANE_DRIFT, LANE_BALANCE})
+      unsolved += static_cast<int>(batch.result(i, k, RESULT_STATUS)) >= LANE_UNSOLVED;
+      sweeps += batch.result(i, k, RESULT_SWEEPS);
+      if (k == 0) pressing += batch.result(i, k, RESULT_SWEEPS);
+      if (k == 1) first_drag += batch.result(i, k, RESULT_SWEEPS);
+      for (int row : {RESULT_PENETRATION, RESULT_CONE, RESULT_COMPLEMENTARITY, RESULT_DRIFT, RESULT_OWN_RESIDUAL})
         residual = std::max(residual, batch.result(i, k, row));
     }
   for (auto _ : state) batch.run();
@@ -166,7 +166,7 @@ double patch_flops(const View& view, std::size_t scenes, int elements, int tacte
   double flops = 0;
   for (std::size_t i = 0; i < scenes; ++i) {
     double sweeps = 0;
-    for (int k = 0; k < view.path_steps(i); ++k) sweeps += view.result(i, k, LANE_SWEEPS);
+    for (int k = 0; k < view.path_steps(i); ++k) sweeps += view.result(i, k, RESULT_SWEEPS);
     flops += 8 * n * n * (sweeps + certificates) +
              2 * search_elements * search_elements * view.patch(i, PATCH_SEARCH_SWEEPS) + 4 * n * n * side_modes +
              8 * n * tactels * view.path_steps(i);
@@ -209,9 +209,9 @@ void patches(benchmark::State& state, const std::vector<fem::Scene>& scenes, con
     const typename host::PatchContact<Real>::Batch::View view(batch);
     for (std::size_t i = 0; i < scenes.size(); ++i)
       for (int k = 0; k < view.path_steps(i); ++k) {
-        unsolved += static_cast<int>(view.result(i, k, LANE_STATUS)) >= LANE_UNSOLVED;
-        sweeps += view.result(i, k, LANE_SWEEPS);
-        for (int row : {LANE_PENETRATION, LANE_CONE, LANE_COMPLEMENTARITY, LANE_DRIFT})
+        unsolved += static_cast<int>(view.result(i, k, RESULT_STATUS)) >= LANE_UNSOLVED;
+        sweeps += view.result(i, k, RESULT_SWEEPS);
+        for (int row : {RESULT_PENETRATION, RESULT_CONE, RESULT_COMPLEMENTARITY, RESULT_DRIFT})
           residual = std::max(residual, static_cast<double>(view.result(i, k, row)));
       }
     flops = patch_flops(view, scenes.size(), elements, 2 * scenes.front().sensor.tactels);
@@ -263,7 +263,7 @@ double path_sweeps(const typename host::PatchContact<Real>::Batch& batch, std::s
     const std::size_t end = std::min(first + lanes, order.size());
     for (int k = 0; k < view.path_steps(order[first]); ++k) {
       Real most = 0;
-      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
+      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, RESULT_SWEEPS));
       sweeps += static_cast<double>(end - first) * most;
     }
   }
@@ -349,7 +349,7 @@ void patches_with_scenes(benchmark::State& state) {
     auto batch = contact.prepare(scenes);
     batch.run();
     const host::PatchContact<float>::Batch::View view(batch);
-    for (const std::size_t i : view.by_lane()) P += view.result(i, 0, LANE_P);
+    for (const std::size_t i : view.by_lane()) P += view.result(i, 0, RESULT_P);
   }
   benchmark::DoNotOptimize(P);
   state.counters["steps_per_second"] =

@@ -20,7 +20,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_reference.h"
-#include "host/contact/convergence.h"
+#include "host/answers/convergence.h"
 #include "host/studies/tradeoff/scene_mix.h"
 
 namespace tactel::host {

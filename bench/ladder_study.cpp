@@ -5,7 +5,7 @@
 //
 //     build/bench/tactel_ladder_study [SCENES, 288] [SEED, 1998] [FILE]
 //
-// FILE becomes host/contact/measured_ladder.cpp, which was made of 640 scenes of seed 500.
+// FILE becomes host/answers/measured_ladder.cpp, which was made of 640 scenes of seed 500.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 #include "fem/accuracy.h"
 #include "fem/gap_reference.h"
-#include "host/contact/planner.h"
+#include "host/answers/planner.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
 #include "host/studies/tradeoff/tradeoff.h"
@@ -187,7 +187,7 @@ int run(std::size_t count, std::uint64_t seed, const char* file) {
   std::ofstream out(file);
   out << fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `tactel_ladder_study {} {} FILE`; do not edit.\n// {}.\n"
-      "// Device: {}\n#include \"host/contact/planner.h\"\n\nnamespace tactel::host {{\n\n"
+      "// Device: {}\n#include \"host/answers/planner.h\"\n\nnamespace tactel::host {{\n\n"
       "std::span<const MeasuredRung> measured_ladder() {{\n  static constexpr MeasuredRung rungs[] = {{\n",
       count, seed, mix_description(seed, count), executor.device().info().name);
   for (const MeasuredRung& r : planner)

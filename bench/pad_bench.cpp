@@ -44,8 +44,8 @@ double useful_flops(const Batch& batch, const std::vector<fem::PadScene>& scenes
   double flops = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (int k = 0; k < 1 + static_cast<int>(scenes[i].load.drags.size()); ++k) {
-      const double touch = batch.result(i, k, PAD_RESULT_STICKING) + batch.result(i, k, PAD_RESULT_SLIPPING);
-      flops += 18 * touch * (touch * batch.result(i, k, PAD_RESULT_SWEEPS) + cells * cells);
+      const double touch = batch.result(i, k, RESULT_STICKING) + batch.result(i, k, RESULT_SLIPPING);
+      flops += 18 * touch * (touch * batch.result(i, k, RESULT_SWEEPS) + cells * cells);
     }
   return flops;
 }
@@ -67,8 +67,8 @@ void pads(benchmark::State& state, int cells, int threads, bool end_to_end) {
   double unsolved = 0, sweeps = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (int k = 0; k < 9; ++k) {
-      unsolved += static_cast<int>(batch.result(i, k, PAD_RESULT_STATUS)) >= LANE_UNSOLVED;
-      sweeps += batch.result(i, k, PAD_RESULT_SWEEPS);
+      unsolved += static_cast<int>(batch.result(i, k, RESULT_STATUS)) >= LANE_UNSOLVED;
+      sweeps += batch.result(i, k, RESULT_SWEEPS);
     }
   bench::Peak<float> peak(executor.device(), threads);
   if (!peak.right()) {

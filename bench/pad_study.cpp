@@ -4,7 +4,7 @@
 //
 //     build/bench/tactel_pad_study [SCENES, 168] [SEED, 2026] [ANSWERS] [FILE]
 //
-// prints those that they make, by class of scenes; FILE becomes host/contact/measured_pads.cpp.
+// prints those that they make, by class of scenes; FILE becomes host/answers/measured_pads.cpp.
 //
 //     build/bench/tactel_pad_study judge [SCENES, 120] [SEED, 2027] [ANSWERS]
 //
@@ -28,13 +28,13 @@
 
 #include "bench/unlike_pads.h"
 #include "fem/pad/pad_layers.h"
-#include "host/contact/pad_solve.h"
-#include "host/contact/rung_error.h"
+#include "host/answers/rung_error.h"
+#include "host/answers/solve.h"
 
 namespace tactel::host {
 namespace {
 
-using Errors = fem::PadReferenceSolution::Errors;
+using Errors = AnswerError;
 constexpr std::array<const char*, 6> names = {"S", "P", "Q", "M", "sigma", "tau"};
 
 /// Numbers of an answer that errors are made of, in order.
@@ -118,7 +118,7 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
       "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `tactel_pad_study {} {} ANSWERS FILE`; do not edit.\n"
       "// Errors beside the reference of contacts of bench/unlike_pads.h. By class: what 95 % stay below, of S, P, Q, "
       "M,\n"
-      "// sigma and tau; the largest of S.\n#include \"host/contact/pad_rung.h\"\n\nnamespace tactel::host {{\n\n"
+      "// sigma and tau; the largest of S.\n#include \"host/answers/pad_error.h\"\n\nnamespace tactel::host {{\n\n"
       "std::span<const MeasuredPadRung> measured_pads() {{\n  static constexpr MeasuredPadRung rungs[] = {{\n",
       count, seed);
   for (const PadRung& rung : pad_rungs()) {
@@ -128,9 +128,8 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
       const std::vector<Errors>& of = errors.at(rung.name)[k];
       out << (k == 0 ? "{{" : ",\n         {{");
       for (const auto member : fem::pad_error_members)
-        out << fmt::format("{}{:.4f}", member == &Errors::slip_index ? "" : ", ",
-                           covering_value(column(of, member), 0.95));
-      out << fmt::format("}}, {:.4f}}}", covering_value(column(of, &Errors::slip_index), 1));
+        out << fmt::format("{}{:.4f}", member == &Errors::S ? "" : ", ", covering_value(column(of, member), 0.95));
+      out << fmt::format("}}, {:.4f}}}", covering_value(column(of, &Errors::S), 1));
     }
     out << "}}},\n";
   }
@@ -163,7 +162,7 @@ struct Tally {
     const Errors off = fem::pad_difference(outcome.solution, truth.solution);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto member = fem::pad_error_members[k];
-      said[k].push_back(outcome.error->most95.*member);
+      said[k].push_back(outcome.error->expected.*member);
       made[k].push_back(std::max(0.0, off.*member - truth.error.*member));
     }
   }

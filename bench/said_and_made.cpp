@@ -21,10 +21,10 @@
 #include "bench/unlike_scenes.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
+#include "host/answers/solve.h"
 #include "host/contact/contact_fallback.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/patch_contact.h"
-#include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 
 namespace tactel::host {

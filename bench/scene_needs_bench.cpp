@@ -11,9 +11,9 @@
 
 #include "fem/gap_sweep.h"
 #include "fem/solution_difference.h"
+#include "host/answers/planner.h"
+#include "host/answers/rung_error.h"
 #include "host/contact/gap_sweep.h"
-#include "host/contact/planner.h"
-#include "host/contact/rung_error.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/ladder.h"
 #include "tests/host/device/test_device.h"

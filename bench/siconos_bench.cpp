@@ -121,7 +121,7 @@ void siconos(benchmark::State& state, char which, double tolerance) {
     contacts.back().solve(options.get(), [&](const SiconosContact::Step& step) {
       worst = std::max(worst, bench::difference(scene.friction, step, *expected));
       if (!step.converged) worst = std::numeric_limits<double>::infinity();
-      sweeps += step.sweeps;
+      sweeps += step.iterations;
       steps += 1;
       ++expected;
     });

@@ -653,21 +653,21 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     const vint solved = NOT(w->lost[v] | w->failed[v]) & finite & within(said, v, off_balance, accept);
     const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
     const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
-    STORE_AWAY(in->d[v], &result[AT(LANE_INDENTATION)]);
+    STORE_AWAY(in->d[v], &result[AT(RESULT_DEPTH)]);
     STORE_AWAY(in->x[v], &result[AT(LANE_TANGENTIAL)]);
-    STORE_AWAY(p[v] * w->young[v], &result[AT(LANE_P)]);
+    STORE_AWAY(p[v] * w->young[v], &result[AT(RESULT_P)]);
     STORE_AWAY(q[v] * w->young[v], &result[AT(LANE_Q)]);
-    STORE_AWAY(PICK(held > 0, q[v] / held, ALL_LANES(0)), &result[AT(LANE_SLIP_INDEX)]);
-    STORE_AWAY(sticking[v], &result[AT(LANE_STICKING)]);
-    STORE_AWAY(slipping[v], &result[AT(LANE_SLIPPING)]);
-    STORE_AWAY(w->sweeps[v], &result[AT(LANE_SWEEPS)]);
-    STORE_AWAY(PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle), &result[AT(LANE_STATUS)]);
-    STORE_AWAY(said->penetration[v], &result[AT(LANE_PENETRATION)]);
-    STORE_AWAY(said->cone[v], &result[AT(LANE_CONE)]);
-    STORE_AWAY(said->complementarity[v], &result[AT(LANE_COMPLEMENTARITY)]);
-    STORE_AWAY(said->drift[v], &result[AT(LANE_DRIFT)]);
+    STORE_AWAY(PICK(held > 0, q[v] / held, ALL_LANES(0)), &result[AT(RESULT_S)]);
+    STORE_AWAY(sticking[v], &result[AT(RESULT_STICKING)]);
+    STORE_AWAY(slipping[v], &result[AT(RESULT_SLIPPING)]);
+    STORE_AWAY(w->sweeps[v], &result[AT(RESULT_SWEEPS)]);
+    STORE_AWAY(PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle), &result[AT(RESULT_STATUS)]);
+    STORE_AWAY(said->penetration[v], &result[AT(RESULT_PENETRATION)]);
+    STORE_AWAY(said->cone[v], &result[AT(RESULT_CONE)]);
+    STORE_AWAY(said->complementarity[v], &result[AT(RESULT_COMPLEMENTARITY)]);
+    STORE_AWAY(said->drift[v], &result[AT(RESULT_DRIFT)]);
     STORE_AWAY(off_balance, &result[AT(LANE_BALANCE)]);
-    STORE_AWAY(said->slip_distance[v], &result[AT(LANE_SLIP_DISTANCE)]);
+    STORE_AWAY(said->slip_distance[v], &result[AT(RESULT_SLIP_DISTANCE)]);
     w->lost[v] |= NOT(solved);
     // Without a sticking node the contact slides, or there is none: a drag changes neither.
     w->running[v] &= NOT((sticking[v] == 0) & (lane_input[AT(LANE_MAY_STOP)] <= (real)k));
@@ -686,7 +686,7 @@ static inline void remember(Contact *c, const Indenter *in) {
 static inline void report_idle(const LoadStepping *w, global vreal *result) {
   for (int r = 0; r < LANE_RESULT_ROWS; ++r) EACH_VECTOR {
       const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
-      result[AT(r)] = r == LANE_STATUS ? idle : ALL_LANES(0);
+      result[AT(r)] = r == RESULT_STATUS ? idle : ALL_LANES(0);
     }
 }
 

@@ -475,7 +475,7 @@ typedef struct {
   global real *result, *forces;
 } Answers;
 
-/* The certificate of all vectors: rows PAD_RESULT_PENETRATION to PAD_RESULT_OUTSIDE. */
+/* The certificate of all vectors: rows RESULT_PENETRATION to PAD_RESULT_OUTSIDE. */
 OUTLINE void certify(const Influence *influence, global const vreal *heights, real accept, const Cells *c,
                      const State *s, vreal *rows) {
   Residual r;
@@ -503,10 +503,10 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     }
   }
   EACH_VECTOR(v) {
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_PENETRATION] = r.penetration.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_COMPLEMENTARITY] = r.complementarity.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_CONE] = r.cone.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_DRIFT] = r.drift.v[v];
+    rows[PAD_RESULT_ROWS * v + RESULT_PENETRATION] = r.penetration.v[v];
+    rows[PAD_RESULT_ROWS * v + RESULT_COMPLEMENTARITY] = r.complementarity.v[v];
+    rows[PAD_RESULT_ROWS * v + RESULT_CONE] = r.cone.v[v];
+    rows[PAD_RESULT_ROWS * v + RESULT_DRIFT] = r.drift.v[v];
     rows[PAD_RESULT_ROWS * v + PAD_RESULT_ANGLE] = r.angle.v[v];
     rows[PAD_RESULT_ROWS * v + PAD_RESULT_OUTSIDE] =
         outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
@@ -552,16 +552,16 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
       sticking += PICK((n > 0) & (fma(x, x, y * y) < edge * edge), ALL_LANES(1), ALL_LANES(0));
     }
     vreal *to = rows + PAD_RESULT_ROWS * v;
-    to[PAD_RESULT_P] = P * n_unit * force;
+    to[RESULT_P] = P * n_unit * force;
     to[PAD_RESULT_QX] = (cosine * Qx - sine * Qy) * t_unit * force;
     to[PAD_RESULT_QY] = (sine * Qx + cosine * Qy) * t_unit * force;
     to[PAD_RESULT_M] = M * t_unit * force * H;
-    to[PAD_RESULT_S] = slip_margin(influence, c, s, v);
-    to[PAD_RESULT_STICKING] = sticking;
-    to[PAD_RESULT_SLIPPING] = touching - sticking;
-    to[PAD_RESULT_SWEEPS] = s->sweeps.v[v];
-    to[PAD_RESULT_DEPTH] = s->d.v[v] * H;
-    to[PAD_RESULT_SLIP_DISTANCE] = sqrt(slid) * H;
+    to[RESULT_S] = slip_margin(influence, c, s, v);
+    to[RESULT_STICKING] = sticking;
+    to[RESULT_SLIPPING] = touching - sticking;
+    to[RESULT_SWEEPS] = s->sweeps.v[v];
+    to[RESULT_DEPTH] = s->d.v[v] * H;
+    to[RESULT_SLIP_DISTANCE] = sqrt(slid) * H;
     to[PAD_RESULT_AREA] = touching * influence->hx * influence->hy * H * H;
     const vreal half_x = (real)0.5 * (fabs(cosine) * influence->hx + fabs(sine) * influence->hy),
                 half_y = (real)0.5 * (fabs(sine) * influence->hx + fabs(cosine) * influence->hy);
@@ -572,14 +572,14 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_ACROSS] = PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
     const vint reports = slot->v[v] >= 0;
-    vreal worst = to[PAD_RESULT_PENETRATION];
-    EACH(r, 4) { worst = LARGER(to[PAD_RESULT_COMPLEMENTARITY + r], worst); }
+    vreal worst = to[RESULT_PENETRATION];
+    EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
     const vint finite =
-        finite_sum(finite_sum(finite_sum(finite_sum(0, P), Qx), Qy), to[PAD_RESULT_DRIFT] + to[PAD_RESULT_ANGLE]) == 0;
+        finite_sum(finite_sum(finite_sum(finite_sum(0, P), Qx), Qy), to[RESULT_DRIFT] + to[PAD_RESULT_ANGLE]) == 0;
     const vint solved = NOT(s->lost.v[v] | s->failed.v[v]) & finite & (worst <= a->accept);
     s->lost.v[v] |= reports & NOT(solved);
     const vint slides = (touching > 0) & (sticking == 0);
-    to[PAD_RESULT_STATUS] =
+    to[RESULT_STATUS] =
         PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
     real place[LANES], number[LANES];
     STORE(slot->v[v], place);
@@ -704,7 +704,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     for (int l = 0; l < LANES; ++l)
       for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_RESULT_ROWS; ++k)
         result[(answers.first_lane + v * LANES + l) * slots * PAD_RESULT_ROWS + k] =
-            k % PAD_RESULT_ROWS == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
+            k % PAD_RESULT_ROWS == RESULT_STATUS ? (real)LANE_INVALID : 0;
   }
 }
 

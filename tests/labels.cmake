@@ -18,7 +18,7 @@ cmake_policy(VERSION 3.25)
 set(unit_programs fem layer pad nn hw support figures scenes calibration)
 set(unit_device Balance Cache CachePlace Embedded GroupSupply KernelParameters LayoutList LeftFolder Pace ThreadTeam ThreadTeamDeathTest)
 set(unit_networks OnnxChain OnnxFile)
-set(unit_contact Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner RungError SolveOptions)
+set(unit_answers Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner Quantities RungError SolveOptions)
 set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
 set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram LiveView OpenSource SensorProfile)
 set(unit_training AlarmCounting BoundReport TrainingSources)
@@ -38,7 +38,7 @@ set(no_program DevicesCommand DevicesCommandDeathTest)
 set(slow ClosedForms DirectProblem EveryShape EveryShapeOnMeshA Extremes GapReferenceRandom IndependentContact InverseCommand InverseProblem
     OverTheEnd PadCalibration PadConvergence PadReference RankTraining SaidAndMade StreamTraining)
 
-foreach(program fem layer pad nn hw support figures scenes device networks contact calibration sets live training studies commands api)
+foreach(program fem layer pad nn hw support figures scenes device networks contact answers calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     string(REGEX REPLACE "[.<].*" "/" name "${test}")  # PREFIX/SUITE/
     string(REGEX REPLACE "^.*/(.+)/$" "\\1" suite "/${name}")

@@ -6,13 +6,13 @@
 
 namespace tactel::fem {
 
-PadReferenceSolution::Errors pad_difference(const PadSolution& a, const PadSolution& b) {
-  PadReferenceSolution::Errors e;
+AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
+  AnswerError e;
   double pressing = 0, tangential = 0, sigma = 0, tau = 0;
   const double size = b.cells.half_size();
   for (std::size_t k = 0; k < b.steps.size(); ++k) {
     const PadStep &p = a.steps[k], &q = b.steps[k];
-    e.slip_index = std::max(e.slip_index, std::abs(p.slip_index.value_or(0) - q.slip_index.value_or(0)));
+    e.S = std::max(e.S, std::abs(p.slip_index.value_or(0) - q.slip_index.value_or(0)));
     e.P = std::max(e.P, std::abs(p.P - q.P)), pressing = std::max(pressing, q.P);
     e.Q = std::max(e.Q, (p.Q - q.Q).norm());
     e.M = std::max(e.M, std::abs(p.M - q.M) / size);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-
+#include "fem/answer_error.h"
 #include "fem/pad/pad_solver.h"
 
 namespace tactel::fem {
@@ -17,20 +16,11 @@ struct PadReferenceOptions {
 /// An answer and what it may be off by.
 struct PadReferenceSolution {
   PadSolution solution;
-  /// Expected errors, the largest of all steps: of S; of P over the largest P of the path; of Q and M over the larger
-  /// of both (M over the half size of the cells); of sigma and tau over the largest of each.
-  struct Errors {
-    double slip_index = 0, P = 0, Q = 0, M = 0, sigma = 0, tau = 0;
-  };
-  Errors error;
+  AnswerError error;  ///< to expect
 };
-inline constexpr std::array<double PadReferenceSolution::Errors::*, 6> pad_error_members = {
-    &PadReferenceSolution::Errors::slip_index, &PadReferenceSolution::Errors::P,
-    &PadReferenceSolution::Errors::Q,          &PadReferenceSolution::Errors::M,
-    &PadReferenceSolution::Errors::sigma,      &PadReferenceSolution::Errors::tau};
 
-/// Returns the differences of the steps of two answers to one scene, as PadReferenceSolution has errors.
-PadReferenceSolution::Errors pad_difference(const PadSolution& a, const PadSolution& b);
+/// Returns the differences of the steps of two answers to one scene.
+AnswerError pad_difference(const PadSolution& a, const PadSolution& b);
 
 /// The judge of the pad solver's accuracy: many cells that just cover the contact, and sweeps in fp64. Answers converge
 /// at first order in increments: with a of m and b of 2 m increments on half as many cells, totals and stresses are

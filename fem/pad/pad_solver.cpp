@@ -212,7 +212,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   const bool finite =
       std::isfinite(step.P + step.Q.sum() + step.M) && step.stress.allFinite();  // a residual may be 0 beside NaN
   step.converged = converged_ && finite && step.residual.largest() <= options_.accepted();
-  step.sweeps = sweeps_;
+  step.iterations = sweeps_;
   return step;
 }
 

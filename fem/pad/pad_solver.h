@@ -53,7 +53,7 @@ struct PadStep {
   Eigen::MatrixX2d tangential_force;  ///< [cells] N
   Eigen::MatrixX3d stress;            ///< [tactels, x fastest] MPa: sigma_z, tau_x, tau_y of the rubber on the base
   bool converged = false;             ///< and so are all steps before it
-  int sweeps = 0;                     ///< since the last asked step
+  int iterations = 0;                 ///< sweeps since the last asked step
   PadResidual residual;
 };
 

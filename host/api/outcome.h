@@ -6,8 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "host/contact/pad_solve.h"
-#include "host/contact/solve.h"
+#include "host/answers/solve.h"
 
 namespace tactel {
 

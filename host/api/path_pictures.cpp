@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tactel/pad.h>
 
+#include "host/answers/answer_page.h"
 #include "host/api/api_errors.h"
 #include "host/api/outcome.h"
-#include "host/contact/solve_page.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/pad_view.h"
 #include "host/figures/vtu.h"
@@ -32,7 +32,7 @@ template <class Kind, class AnyPath>
 std::string page_of(const AnyPath& path, std::optional<std::size_t> step) {
   return api::with_public_errors([&] {
     const auto& outcome = answer_of<Kind>(path);
-    return host::solve_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();
+    return host::answer_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();
   });
 }
 

@@ -4,8 +4,8 @@
 
 #include "fem/pad/pad_scene.h"
 #include "fem/scene.h"
+#include "host/answers/solve.h"
 #include "host/api/api_errors.h"
-#include "host/contact/solve.h"
 
 namespace tactel::api {
 

@@ -5,30 +5,11 @@
 
 namespace tactel {
 namespace api {
-namespace {
-
-/// Calls visit(member of from, member of to) for every array; they have the same names on both sides.
-template <class From, class To, class Visit>
-void each_array(From& from, To& to, const Visit& visit) {
-  visit(from.frames, to.frames), visit(from.slip_index, to.slip_index);
-  visit(from.normal_force, to.normal_force), visit(from.tangential_force, to.tangential_force);
-  visit(from.indentation, to.indentation), visit(from.tangential, to.tangential);
-  visit(from.friction, to.friction), visit(from.stick_fraction, to.stick_fraction);
-  visit(from.residual, to.residual), visit(from.contact, to.contact), visit(from.step, to.step);
-  visit(from.indenter, to.indenter), visit(from.contact_nodes, to.contact_nodes), visit(from.status, to.status);
-  visit(from.poisson, to.poisson), visit(from.thickness, to.thickness), visit(from.young, to.young);
-  visit(from.length, to.length);
-  if (from.axes == 2) return;  // a line
-  visit(from.torque, to.torque), visit(from.twist, to.twist), visit(from.force_ratio, to.force_ratio);
-  visit(from.outside, to.outside);
-}
-
-}  // namespace
-
 Set from_host(host::ContactSet&& from) {
   Set set;
   set.inputs = static_cast<std::size_t>(from.inputs), set.axes = static_cast<std::size_t>(from.axes);
-  each_array(from, set, [](auto& array, auto& to) { to = std::move(array); });
+  host::each_pair(host::set_columns(set), host::set_columns(from),
+                  [](auto& to, auto& array) { to = std::move(array); });
   set.indenter_names = std::move(from.indenter_names);
   set.tactel_x = std::move(from.tactel_x), set.tactel_y = std::move(from.tactel_y);
   set.parameters = std::move(from.contact_parameters);
@@ -46,7 +27,7 @@ host::ContactSet to_host(const Set& from) {
   host::ContactSet set;
   set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
   set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
-  each_array(from, set, [&](const auto& array, auto& to) {
+  host::each_pair(host::set_columns(set), host::set_columns(from), [&](auto& to, const auto& array) {
     const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
     const bool directed = is(from.tangential_force) || is(from.tangential);
     const std::size_t numbers = from.rows() * (is(from.frames) ? from.inputs : directed && set.pad ? 2 : 1);

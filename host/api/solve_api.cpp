@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/solve.h>
+#include <tactel/pad.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "host/answers/derivatives.h"
+#include "host/answers/solve.h"
+#include "host/answers/step_quantities.h"
+#include "host/answers/warnings.h"
 #include "host/api/api_errors.h"
-#include "host/api/many_solver.h"
 #include "host/api/outcome.h"
 #include "host/api/scene_conversion.h"
-#include "host/contact/derivatives.h"
-#include "host/contact/solve.h"
-#include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
 namespace tactel {
@@ -22,34 +20,70 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 static_assert(int(NodeStatus::open) == int(fem::GapStatus::open) && int(NodeStatus::slip) == int(fem::GapStatus::slip));
 static_assert(int(NodeStatus::stick) == int(fem::GapStatus::stick));
 
-std::vector<double> numbers(const Eigen::VectorXd& from) { return {from.begin(), from.end()}; }
+std::vector<double> numbers(const auto& from) { return {from.begin(), from.end()}; }
 
-Step step_of(const fem::ContactStep& from) {
-  Step step;
-  step.indentation = from.indentation, step.tangential = from.tangential;
-  step.P = from.P, step.Q = from.Q;
-  step.slip_index = from.slip_index.value_or(nan);
-  step.slip_distance = from.slip_distance;
-  for (const fem::GapStatus status : from.status) step.status.push_back(static_cast<NodeStatus>(status));
-  step.normal_force = numbers(from.normal_force), step.tangential_force = numbers(from.tangential_force);
-  step.base_force_x = numbers(from.base_force_x), step.base_force_y = numbers(from.base_force_y);
-  step.sigma_y = numbers(from.sigma_y), step.tau_xy = numbers(from.tau_xy);
-  step.converged = from.converged, step.iterations = from.iterations;
-  const fem::Residual& r = from.residual;
-  step.residual = {r.penetration, r.cone, r.complementarity, r.drift, r.balance};
-  return step;
+/// Sets a member of a public step to the value of a step of fem.
+template <class To, class From>
+void assign(To& to, const From& from) {
+  const auto assign_each = [](auto& member, const auto& value) { assign(member, value); };
+  if constexpr (std::is_same_v<From, std::optional<double>>)
+    to = from.value_or(nan);
+  else if constexpr (requires { host::residuals(to); })
+    host::each_pair(host::residuals(to), host::residuals(from), assign_each);
+  else if constexpr (std::is_same_v<From, std::vector<fem::GapStatus>>)
+    for (const fem::GapStatus status : from) to.push_back(static_cast<NodeStatus>(status));
+  else if constexpr (std::is_same_v<From, Eigen::Vector2d>)
+    to = {from[0], from[1]};
+  else if constexpr (std::is_same_v<From, Eigen::MatrixX2d>)
+    for (const auto& row : from.rowwise()) to.push_back({row[0], row[1]});
+  else if constexpr (std::is_assignable_v<To&, const From&>)
+    to = from;
+  else
+    to = numbers(from);
+}
+
+/// What paths of both kinds take of an answer.
+template <class Path>
+Path path_with_steps(const auto& outcome) {
+  Path path;
+  for (const auto& step : outcome.solution.steps)
+    host::each_pair(host::quantities<false>(path.steps.emplace_back()), host::quantities<false>(step),
+                    [](auto& to, const auto& from) { assign(to, from); });
+  path.fell_back = outcome.solution.fell_back, path.model = host::model_name(outcome);
+  path.solver = outcome.solver, path.precision = outcome.precision, path.device = outcome.device;
+  path.warnings = host::warnings(outcome);
+  return path;
 }
 
 Path path_of(const host::SolveOutcome& outcome) {
   const fem::ContactSolution& solution = outcome.solution;
-  Path path;
-  for (const fem::ContactStep& step : solution.steps) path.steps.push_back(step_of(step));
+  Path path = path_with_steps<Path>(outcome);
   path.surface_x = numbers(solution.surface_x), path.surface_width = numbers(solution.surface_width);
   path.base_x = numbers(solution.base_x), path.tactel_x = numbers(solution.tactel_x);
-  path.sliding = solution.sliding, path.fell_back = solution.fell_back;
-  path.model = host::model_name(outcome), path.model_reason = outcome.model_reason;
-  path.solver = outcome.solver, path.precision = outcome.precision, path.device = outcome.device;
-  path.warnings = host::warnings(outcome);
+  path.sliding = solution.sliding, path.model_reason = outcome.model_reason;
+  if (const auto& error = outcome.error) {
+    const host::AnswerError& e = error->expected;
+    path.error = {e.S, e.P, e.Q, e.sigma, e.tau, error->from};
+  }
+  return path;
+}
+
+PadPath path_of(const host::PadOutcome& outcome) {
+  const fem::PadSolution& solution = outcome.solution;
+  PadPath path = path_with_steps<PadPath>(outcome);
+  path.cell_x = numbers(solution.places.col(0)), path.cell_y = numbers(solution.places.col(1));
+  path.cell_width = {solution.cells.hx, solution.cells.hy};
+  const auto [nx, ny] = outcome.scene.sensor.tactels;
+  path.axes = outcome.scene.sensor.axes;
+  const Eigen::MatrixX2d tactels = fem::tactel_places(outcome.scene.sensor);
+  path.tactel_x = numbers(tactels.col(0).head(nx));
+  for (Eigen::Index j = 0; j < ny; ++j) path.tactel_y.push_back(tactels(j * nx, 1));
+  path.rung = outcome.rung.name;
+  if (const auto& error = outcome.error) {
+    const host::AnswerError& e = error->expected;
+    path.error = {e.S, error->largest, error->scenes, error->outside, e.P, e.Q,
+                  e.M,          e.sigma,        e.tau,         error->from};
+  }
   return path;
 }
 
@@ -95,26 +129,22 @@ Path solve(const Scene& scene, const SolveOptions& options) {
     const fem::Scene checked = api::to_fem(scene);
     checked.validate();
     host::SolveOutcome outcome = host::solve(checked, options_of(options));
-    const auto error = options.estimate_error ? host::mesh_error(outcome) : std::nullopt;
-    outcome.mesh_error = error;
-    if (options.estimate_error && !error) outcome.no_estimate = host::why_no_estimate(outcome);
+    if (options.estimate_error) host::estimate_error(outcome);
     Path path = path_of(outcome);
     if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(checked, outcome));
-    if (error)
-      path.error = {error->expected.S,     error->expected.P,   error->expected.Q,
-                    error->expected.sigma, error->expected.tau, error->finer};
     path.outcome = outcome_of(std::move(outcome));
     return path;
   });
 }
 
-Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, const ProgressFunction& progress) {
-  const std::vector<fem::Scene> all = api::checked_scenes(scenes);
+PadPath solve(const PadScene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
-    Paths paths = api::solve_paths(api::to_host_for_many(options), all, progress);
-    paths.warnings = host::unit_warnings(all);
-    progress(all.size(), all.size());
-    return paths;
+    if (options.derivatives)
+      throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
+    host::PadOutcome outcome = host::solve(api::to_fem(scene), api::to_host(options));
+    PadPath path = path_of(outcome);
+    path.outcome = outcome_of(std::move(outcome));
+    return path;
   });
 }
 

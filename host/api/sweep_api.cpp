@@ -5,11 +5,11 @@
 #include <memory>
 #include <utility>
 
+#include "host/answers/rung_for_many.h"
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
 #include "host/contact/pad_rung.h"
-#include "host/contact/rung_for_many.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
@@ -99,18 +99,10 @@ class Simulation {
 /// Appends the rows and counts of a set.
 void append(Set& to, Set&& more) {
   const auto join = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
-  join(to.frames, more.frames), join(to.slip_index, more.slip_index);
-  join(to.normal_force, more.normal_force), join(to.tangential_force, more.tangential_force);
-  join(to.indentation, more.indentation), join(to.tangential, more.tangential);
-  join(to.torque, more.torque), join(to.twist, more.twist), join(to.force_ratio, more.force_ratio);
+  host::each_pair(host::set_columns(to), host::set_columns(more), join);
   join(to.parameters, more.parameters);
   to.parameter_names = std::move(more.parameter_names), to.parameter_units = std::move(more.parameter_units);
   to.tactel_x = std::move(more.tactel_x), to.tactel_y = std::move(more.tactel_y);
-  join(to.poisson, more.poisson), join(to.thickness, more.thickness);
-  join(to.young, more.young), join(to.length, more.length);
-  join(to.friction, more.friction), join(to.stick_fraction, more.stick_fraction), join(to.residual, more.residual);
-  join(to.contact, more.contact), join(to.step, more.step), join(to.indenter, more.indenter);
-  join(to.contact_nodes, more.contact_nodes), join(to.status, more.status), join(to.outside, more.outside);
   to.fell_back += more.fell_back, to.unsolved += more.unsolved, to.without_rows += more.without_rows;
 }
 

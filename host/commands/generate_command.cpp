@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "fem/stress_field.h"
+#include "host/answers/rung_for_many.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/pad_rung.h"
-#include "host/contact/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
@@ -84,7 +84,7 @@ PadRung pad_rung(const SolveOptions& solve, const PadSource& source) {
       const fem::PadScene scene = source.contact(chosen_row(k, count, source.contacts())).scene;
       const double H = scene.sensor.thickness;
       const double depth = by_force(scene) ? usual_depth * H : largest_normal(scene.load);
-      if (expected_pad_error(rung, scene, depth).most95.slip_index > *solve.accuracy) return false;
+      if (expected_pad_error(rung, scene, depth).expected.S > *solve.accuracy) return false;
     }
     return true;
   };

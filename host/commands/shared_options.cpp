@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "host/contact/pad_solve.h"
 #include "host/support/durable_file.h"
 
 namespace tactel::host {
@@ -38,7 +37,7 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
   command
       .add_option("--solver", solve.solver,
                   "batched (OpenCL device); without one full-mesh (lines, slow) or twin (pads)")
-      ->check(CLI::IsMember(both(solver_names(), pad_solver_names())))
+      ->check(CLI::IsMember(solver_names()))
       ->transform([](const std::string& name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
   command

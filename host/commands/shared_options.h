@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "host/answers/solve.h"
 #include "host/commands/command.h"
-#include "host/contact/solve.h"
 #include "host/networks/network_options.h"
 
 namespace tactel::host {

@@ -5,14 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include "fem/stress_field.h"
-#include "host/commands/solve_request.h"
-#include "host/contact/derivatives.h"
-#include "host/contact/scene_json.h"
-#include "host/contact/solution_table.h"
-#include "host/contact/solve_page.h"
+#include "host/answers/answer_json.h"
+#include "host/answers/answer_page.h"
+#include "host/answers/answer_table.h"
+#include "host/answers/convergence.h"
+#include "host/answers/derivatives.h"
+#include "host/answers/warnings.h"
+#include "host/commands/shared_options.h"
 #include "host/figures/contact_figure.h"
+#include "host/figures/pad_figure.h"
+#include "host/figures/pad_view.h"
 #include "host/figures/vtu.h"
 #include "host/scenes/scene_file.h"
+#include "host/scenes/toml_table.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/json_text.h"
@@ -20,7 +25,16 @@
 #include "host/support/terminal.h"
 
 namespace tactel::host {
+namespace {
 
+struct SolveRequest {
+  SharedOptions shared;
+  std::string scene, json, plot, field, html;
+  std::optional<int> step;
+  bool derivatives = false, converge = false;
+};
+
+/// The index of the step that --step names, from 1; the last by default.
 std::size_t chosen_step(const SolveRequest& request, std::size_t steps) {
   const int count = static_cast<int>(steps);
   const int step = request.step.value_or(count);
@@ -35,21 +49,28 @@ void warn(const SolveRequest& request, const std::string& text) {
   if (!request.shared.quiet) print_warning(text);
 }
 
-namespace {
+/// The step of --step, or a telling one.
+std::size_t shown_step(const SolveRequest& request, const auto& solution) {
+  const std::size_t chosen = chosen_step(request, solution.steps.size());
+  return request.step ? chosen : telling_step(solution);
+}
+
+/// Judges that step beside ever smaller cells where --converge asks for it.
+void judge(const SolveRequest& request, auto& outcome) {
+  if (!request.converge) return;
+  std::unique_ptr<StageLine> stage;
+  const std::size_t step = shown_step(request, outcome.solution);
+  outcome.convergence = std::make_shared<const Convergence>(converge(outcome, step, [&](const std::string& rung) {
+    stage.reset();
+    stage = std::make_unique<StageLine>("solving " + rung, request.shared.quiet);
+  }));
+}
 
 /// Everything that could make the results unwritable, before the work and not after it.
 void check_solve_outputs(const SolveRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.plot.empty()) check_figure_path("--plot", request.plot);
   if (!request.html.empty()) check_writable("--html", request.html);
-  if (request.derivatives && request.json.empty())
-    throw ConfigError("command line", "--derivatives", "", "given with --json FILE, which takes them");
-  if (request.field.empty()) return;
-  check_writable("--field", request.field);
-  const SolveOptions& solve = request.shared.solve;
-  if (solve.accuracy || (!solve.rung.empty() && rung_named(solve.rung).patch()))
-    throw ConfigError("command line", "--field", request.field,
-                      "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
 }
 
 void warn_of_strain(const SolveRequest& request, const fem::StressField& field) {
@@ -62,57 +83,84 @@ void warn_of_strain(const SolveRequest& request, const fem::StressField& field) 
                    100 * most, field.mesh.node(0, node), field.mesh.node(1, node), 100 * fem::linear_strain_limit));
 }
 
-void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
-  const std::size_t step = chosen_step(request, outcome.solution.steps.size());
-  if (request.json == "-") {
-    fmt::print("{}", json_text(to_json(scene, outcome)));
-  } else {
-    if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(scene, outcome)));
-    fmt::print("{}", solution_table(scene, outcome));
-  }
-  if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
-  if (!request.html.empty()) {
-    const std::size_t shown = request.step ? step : telling_step(outcome.solution);
-    write_file("--html", request.html, solve_page(outcome, shown).html());
-  }
-  if (request.field.empty()) return;
-  const fem::StressField field = fem::stress_field(scene.sensor, outcome.solution.steps[step]);
+void write_field(const SolveRequest& request, const SolveOutcome& outcome, std::size_t step) {
+  const fem::StressField field = fem::stress_field(outcome.scene.sensor, outcome.solution.steps[step]);
   write_file("--field", request.field, to_vtu(field));
   warn_of_strain(request, field);
 }
+void write_field(const SolveRequest& request, const PadOutcome& outcome, std::size_t step) {
+  write_file("--field", request.field, to_vtu(outcome.scene, outcome.solution, step));
+}
 
-int run_solve_line(const SolveRequest& request, const fem::Scene& asked) {
+SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
+  if (request.derivatives && request.json.empty())
+    throw ConfigError("command line", "--derivatives", "", "given with --json FILE, which takes them");
+  SolveOptions options = request.shared.solve;
+  if (!request.field.empty()) {
+    check_writable("--field", request.field);
+    if (options.accuracy || (!options.rung.empty() && rung_named(options.rung).patch()))
+      throw ConfigError("command line", "--field", request.field,
+                        "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
+    options.model = fem::SurfaceModel::mesh;
+  }
+  const StageLine stage("solving " + request.scene, request.shared.quiet);
+  const bool on_own_mesh =
+      options.rung.empty() && !options.accuracy && options.model.value_or(asked.model) == fem::SurfaceModel::mesh;
+  FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
+  SolveOutcome solved = solve(asked, options);
+  estimate_error(solved, std::move(finer));
+  if (request.derivatives) solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
+  return solved;
+}
+
+/// Errors that the answer alone shows get the line of the scene's file.
+PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) try {
+  if (!request.field.empty()) check_writable("--field", request.field);
+  if (request.derivatives)
+    throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
+  const StageLine stage("solving " + request.scene, request.shared.quiet);
+  return solve(scene, request.shared.solve);
+} catch (const ValueError& error) {
+  throw TomlFile(request.scene).error(error);
+}
+
+/// The line about the rung that an accuracy took; empty: none was asked for.
+std::string choice(const SolveOutcome& outcome) { return outcome.plan ? outcome.plan->why() : ""; }
+std::string choice(const PadOutcome& outcome) {
+  if (!outcome.accuracy) return "";
+  return fmt::format("rung {} ({}): expected error in S {:.2g}, requested {:g}", outcome.rung.name,
+                     description(outcome.rung), outcome.error ? outcome.error->expected.S : 0,
+                     *outcome.accuracy);
+}
+
+int solve_scene(const SolveRequest& request, const auto& asked) {
   check_solve_outputs(request);
-  SolveOutcome outcome = [&] {
-    const StageLine stage("solving " + request.scene, request.shared.quiet);
-    SolveOptions options = request.shared.solve;
-    if (!request.field.empty()) options.model = fem::SurfaceModel::mesh;  // a patch has no nodes in the block
-    const bool on_own_mesh =
-        options.rung.empty() && !options.accuracy && options.model.value_or(asked.model) == fem::SurfaceModel::mesh;
-    FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
-    SolveOutcome solved = solve(asked, options);
-    solved.mesh_error = mesh_error(solved, std::move(finer));
-    if (!solved.mesh_error) solved.no_estimate = why_no_estimate(solved);
-    if (request.derivatives)
-      solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
-    return solved;
-  }();
+  auto outcome = solve_file(request, asked);
   judge(request, outcome);
-  const fem::Scene& scene = outcome.scene;
-  if (outcome.plan && !request.shared.quiet) fmt::print(stderr, "{}\n", outcome.plan->why());
+  const auto& [scene, solution] = std::tie(outcome.scene, outcome.solution);
+  if (const std::string line = choice(outcome); !line.empty() && !request.shared.quiet)
+    fmt::print(stderr, "{}\n", line);
   for (const std::string& warning : warnings(outcome)) warn(request, warning);
-  write_results(request, scene, outcome);
-  const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::ContactStep::converged);
-  if (!converged) warn(request, "some steps missed their tolerance: see the column `met`");
-  const bool accurate = !outcome.plan || outcome.plan->kept;
-  if (!accurate) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
-  return converged && accurate && !never_slid(scene, outcome.solution) ? done : not_converged;
+  const std::size_t step = chosen_step(request, solution.steps.size());
+  if (!request.json.empty() && request.json != "-") write_file("--json", request.json, json_text(to_json(outcome)));
+  fmt::print("{}", request.json == "-" ? json_text(to_json(outcome)) : answer_table(outcome));
+  if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, solution, step));
+  if (!request.html.empty())
+    write_file("--html", request.html, answer_page(outcome, shown_step(request, solution)).html());
+  if (!request.field.empty()) write_field(request, outcome, step);
+  const bool converged = std::ranges::all_of(solution.steps, [](const auto& s) { return s.converged; });
+  constexpr bool of_line = std::is_same_v<decltype(outcome), SolveOutcome>;
+  if (!converged)
+    warn(request,
+         of_line ? "some steps missed their tolerance: see the column `met`" : "some steps missed their tolerance");
+  if (!outcome.kept()) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
+  if constexpr (of_line)
+    if (never_slid(scene, solution)) return not_converged;
+  return converged && outcome.kept() ? done : not_converged;
 }
 
 int run_solve(const SolveRequest& request) {
-  const AnyScene scene = read_any_scene(request.scene);
-  if (const auto* pad = std::get_if<fem::PadScene>(&scene)) return run_solve_pad(request, *pad);
-  return run_solve_line(request, std::get<fem::Scene>(scene));
+  return std::visit([&](const auto& scene) { return solve_scene(request, scene); }, read_any_scene(request.scene));
 }
 
 }  // namespace

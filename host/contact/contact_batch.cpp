@@ -12,18 +12,8 @@ namespace tactel::host {
 ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene), .friction = scene.friction != 0}; }
 
 fem::ContactStep lane_step(const std::function<double(int)>& row, double mu) {
-  const int status = static_cast<int>(row(LANE_STATUS));
-  fem::ContactStep step;
-  step.indentation = row(LANE_INDENTATION);
-  step.tangential = row(LANE_TANGENTIAL);
-  step.P = row(LANE_P);
-  step.Q = row(LANE_Q);
-  step.slip_index = slip_index(mu, step.P, row(LANE_SLIP_INDEX));
-  step.slip_distance = row(LANE_SLIP_DISTANCE);
-  step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
-  step.iterations = static_cast<int>(row(LANE_SWEEPS));
-  step.residual = {row(LANE_PENETRATION), row(LANE_CONE), row(LANE_COMPLEMENTARITY), row(LANE_DRIFT),
-                   row(LANE_BALANCE)};
+  auto step = step_of<fem::ContactStep>(row, mu);
+  step.tangential = row(LANE_TANGENTIAL), step.Q = row(LANE_Q), step.residual.balance = row(LANE_BALANCE);
   return step;
 }
 
@@ -33,7 +23,7 @@ double LaneAnswer::element() const {
 
 bool LaneAnswer::solved() const {
   for (int k = 0; k < steps; ++k) {
-    const int status = static_cast<int>(result(k, LANE_STATUS));
+    const int status = static_cast<int>(result(k, RESULT_STATUS));
     if (status == LANE_UNSOLVED || status == LANE_INVALID) return false;
     if (status == LANE_NOT_RUN) break;
   }

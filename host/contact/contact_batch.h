@@ -10,6 +10,7 @@
 #include "fem/scene.h"
 #include "host/device/buffer.h"
 #include "host/device/executor.h"
+#include "kernels/shared/result_rows.h"
 
 namespace tactel::host {
 
@@ -22,15 +23,29 @@ struct ContactKind {
 };
 ContactKind kind_of(const fem::Scene& scene);
 
-/// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
+/// Returns S of an increment in the kernel's precision, from mu, P and RESULT_S: none where mu P = 0,
 /// 0 where friction is unlimited, as fem::slip_index.
 inline std::optional<double> slip_index(double mu, double P, double kernel_index) {
   if (!fem::slip_index(mu, P, 0)) return std::nullopt;
   return mu < fem::largest_friction ? kernel_index : 0;
 }
 
-/// Returns the step of a scene with friction mu from a lane's LaneResultRow numbers, without forces of nodes and
-/// stresses.
+/// Returns true for the statuses of steps that met their tolerance.
+inline bool solved(int status) { return status == LANE_SOLVED || status == LANE_SLIDING; }
+
+/// Returns what steps of all kinds have from the rows of a result (kernels/shared/result_rows.h). `mu`: of the scene.
+template <class Step>
+Step step_of(const std::function<double(int row)>& row, double mu) {
+  Step step;
+  step.P = row(RESULT_P), step.indentation = row(RESULT_DEPTH), step.slip_distance = row(RESULT_SLIP_DISTANCE);
+  step.slip_index = slip_index(mu, step.P, row(RESULT_S));
+  step.iterations = static_cast<int>(row(RESULT_SWEEPS));
+  step.converged = solved(static_cast<int>(row(RESULT_STATUS)));
+  step.residual.penetration = row(RESULT_PENETRATION), step.residual.complementarity = row(RESULT_COMPLEMENTARITY);
+  step.residual.cone = row(RESULT_CONE), step.residual.drift = row(RESULT_DRIFT);
+  return step;
+}
+/// Returns the step of a line, without forces of nodes and stresses.
 fem::ContactStep lane_step(const std::function<double(int row)>& row, double mu);
 
 /// The numbers of a scene in the outputs of a launch, in place, in either precision.

@@ -36,6 +36,8 @@ class LineContacts {
   std::shared_ptr<const StreamOf<LineContacts>> behind_;
 };
 
+static_assert(Contacts<LineContacts>);
+
 /// The stream of contacts of the line.
 using ContactStream = StreamOf<LineContacts>;
 extern template class StreamOf<LineContacts>;

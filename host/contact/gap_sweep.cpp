@@ -145,7 +145,7 @@ fem::ContactSolution GapSweep<Real>::State::solution(const LaneView<Real>& view,
     const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
     const auto output = [&](auto row) { return static_cast<double>(view.output(i, k, static_cast<int>(row))); };
     const auto node = [&](auto row) { return static_cast<double>(view.force(i, k, static_cast<int>(row))); };
-    const int status = static_cast<int>(result(LANE_STATUS));
+    const int status = static_cast<int>(result(RESULT_STATUS));
     if (status == LANE_NOT_RUN) break;
     fem::ContactStep step = lane_step(result, scene.friction);
     if (options.nodes) {

@@ -27,7 +27,6 @@ namespace {
 constexpr int pad_friction_strata = 4;
 constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
-static_assert(int{PAD_RESULT_STATUS} == int{LANE_STATUS});  // which LaneAnswer::solved reads
 
 /// A scene on its cells.
 struct OnCells {
@@ -559,25 +558,15 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
 }
 
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu) {
-  fem::PadStep step;
-  step.indentation = row(PAD_RESULT_DEPTH);
+  auto step = step_of<fem::PadStep>(row, mu);
   step.x = target.x, step.y = target.y, step.twist = target.twist;
-  step.P = row(PAD_RESULT_P), step.Q = {row(PAD_RESULT_QX), row(PAD_RESULT_QY)};
-  step.M = row(PAD_RESULT_M);
-  if (mu * step.P > 0) {
-    step.slip_index = row(PAD_RESULT_S);
-    step.force_ratio = step.Q.norm() / (mu * step.P);
-  }
-  const double stick = row(PAD_RESULT_STICKING), touch = stick + row(PAD_RESULT_SLIPPING);
+  step.Q = {row(PAD_RESULT_QX), row(PAD_RESULT_QY)}, step.M = row(PAD_RESULT_M);
+  if (step.slip_index) step.force_ratio = step.Q.norm() / (mu * step.P);
+  const double stick = row(RESULT_STICKING), touch = stick + row(RESULT_SLIPPING);
   step.stick_fraction = touch > 0 ? stick / touch : 0;
-  step.sweeps = static_cast<int>(row(PAD_RESULT_SWEEPS));
-  step.slip_distance = row(PAD_RESULT_SLIP_DISTANCE), step.area = row(PAD_RESULT_AREA);
+  step.area = row(PAD_RESULT_AREA), step.across = static_cast<int>(row(PAD_RESULT_ACROSS));
   step.reach = {{row(PAD_RESULT_LEFT), row(PAD_RESULT_RIGHT)}, {row(PAD_RESULT_BELOW), row(PAD_RESULT_ABOVE)}};
-  step.across = static_cast<int>(row(PAD_RESULT_ACROSS));
-  const int status = static_cast<int>(row(PAD_RESULT_STATUS));
-  step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
-  step.residual = {row(PAD_RESULT_PENETRATION), row(PAD_RESULT_COMPLEMENTARITY), row(PAD_RESULT_CONE),
-                   row(PAD_RESULT_DRIFT), row(PAD_RESULT_ANGLE)};
+  step.residual.angle = row(PAD_RESULT_ANGLE);
   return step;
 }
 

@@ -116,7 +116,7 @@ std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact,
     std::vector<std::size_t> others;
     for (std::size_t k = 0; k < which.size(); ++k) {
       fem::PadSolution& solution = solutions[which[k]] = batch.solution(view, k);
-      solvable[which[k]] = static_cast<int>(view.answer(k).result(0, PAD_RESULT_STATUS)) != LANE_INVALID;
+      solvable[which[k]] = static_cast<int>(view.answer(k).result(0, RESULT_STATUS)) != LANE_INVALID;
       if (!any(solution.outside) || growths == options.most_growths) continue;
       others.push_back(which[k]);
       now.push_back(batch.scene(k));

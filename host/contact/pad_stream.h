@@ -47,6 +47,8 @@ class PadContacts {
   std::variant<PadContact<float>, PadContact<double>> contact_;
 };
 
+static_assert(Contacts<PadContacts>);
+
 /// The stream of contacts on pads.
 using PadStream = StreamOf<PadContacts>;
 extern template class StreamOf<PadContacts>;

@@ -136,7 +136,7 @@ fem::ContactSolution PatchContact<Real>::State::solution(const LaneView<Real>& v
   solution.tactel_x = fem::tactel_positions(view.sensor(i));
   for (int k = 0; k < scene.steps; ++k) {
     const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const int status = static_cast<int>(result(LANE_STATUS));
+    const int status = static_cast<int>(result(RESULT_STATUS));
     if (status == LANE_NOT_RUN) break;
     fem::ContactStep step = lane_step(result, scene.friction);
     if (status != LANE_INVALID) {

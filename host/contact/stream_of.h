@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <future>
@@ -20,11 +21,11 @@
 namespace tactel::host {
 
 /// Scenes of one launch: they are added, laid out in lanes, run and read.
-template <class Contacts>
+template <class Kind>
 class ContactLaunch {
  public:
   virtual ~ContactLaunch() = default;
-  virtual void add(const typename Contacts::Scene& scene, const typename Contacts::Path& path) = 0;
+  virtual void add(const typename Kind::Scene& scene, const typename Kind::Path& path) = 0;
   virtual void lay_out() = 0;
   virtual void run(const RunOptions& options) = 0;
   virtual void open() = 0;                                   ///< for reading, until the launch ends
@@ -38,11 +39,11 @@ class ContactLaunch {
 
 /// The launch of a kernel's launcher, which has Scenes, a Batch and prepare() (GapSweep, PatchContact,
 /// PadContact).
-template <class Contacts, class Launcher>
-class LaunchOf final : public ContactLaunch<Contacts> {
+template <class Kind, class Launcher>
+class LaunchOf final : public ContactLaunch<Kind> {
  public:
   explicit LaunchOf(const Launcher& launcher) : launcher_(launcher), scenes_(launcher) {}
-  void add(const typename Contacts::Scene& scene, const typename Contacts::Path& path) override {
+  void add(const typename Kind::Scene& scene, const typename Kind::Path& path) override {
     scenes_.push_back(scene, path);
   }
   void lay_out() override {
@@ -58,7 +59,7 @@ class LaunchOf final : public ContactLaunch<Contacts> {
   std::size_t steps() const override { return batch_->steps_in_all(); }
   std::size_t most_lane_steps() const override {
     if constexpr (requires { launcher_.most_lane_steps(); }) return launcher_.most_lane_steps();
-    return ContactLaunch<Contacts>::most_lane_steps();
+    return ContactLaunch<Kind>::most_lane_steps();
   }
   double seconds() const override { return batch_->seconds(); }
 
@@ -70,37 +71,62 @@ class LaunchOf final : public ContactLaunch<Contacts> {
 };
 
 /// A model of contact on one sensor: its launches, the worth of their answers, and the way back.
-template <class Contacts>
+template <class Kind>
 class SensorSolver {
  public:
-  using Scene = typename Contacts::Scene;
+  using Scene = typename Kind::Scene;
   virtual ~SensorSolver() = default;
-  virtual std::unique_ptr<ContactLaunch<Contacts>> launch() const = 0;
+  virtual std::unique_ptr<ContactLaunch<Kind>> launch() const = 0;
   /// Returns true where the certificate of an answer holds.
   virtual bool holds(const LaneAnswer& answer) const = 0;
   /// Solves scenes with all their forces, and by other means what the kernel does not solve. `known`: the answers of a
   /// launch, which do not hold; empty: there was none.
-  virtual std::vector<typename Contacts::Solution> solve(std::span<const Scene> scenes,
-                                                         std::span<const LaneAnswer> known) const = 0;
+  virtual std::vector<typename Kind::Solution> solve(std::span<const Scene> scenes,
+                                                     std::span<const LaneAnswer> known) const = 0;
+};
+
+/// A kind of contact, as StreamOf takes it: LineContacts (contact_stream.h), PadContacts (pad_stream.h).
+template <class Kind>
+concept Contacts = requires {
+  typename Kind::Scene;     // one contact: validate() throws ValueError, `sensor` is its Sensor
+  typename Kind::Sensor;    // what tables are made of
+  typename Kind::Path;      // the load of a scene: `steps`
+  typename Kind::Solution;  // an answer with all its forces
+  typename Kind::Model;     // how contacts are solved
+  typename Kind::Key;       // what scenes of one launch have in common; `sensor`: of their sensors alone
+}
+&&std::constructible_from<Kind, Executor&, typename Kind::Model>&& std::totally_ordered<typename Kind::Key>&& requires(
+    const Kind& kind, const typename Kind::Scene& scene, const typename Kind::Sensor& sensor,
+    std::span<const typename Kind::Scene> scenes, std::vector<typename Kind::Solution>& solutions) {
+  scene.validate();
+  { kind.key(scene) } -> std::same_as<typename Kind::Key>;
+  { kind.key(scene.sensor, ContactKind{}) } -> std::same_as<typename Kind::Key>;  // of a sensor's tables
+  { Kind::path(scene) } -> std::same_as<typename Kind::Path>;
+  { Kind::path(scene).steps.size() } -> std::convertible_to<std::size_t>;
+  // Launches on a sensor, what their certificates are worth, and the way back of what does not hold.
+  { kind.solver(sensor) } -> std::same_as<std::shared_ptr<const SensorSolver<Kind>>>;
+  kind.finish(scenes, solutions);  // solves by other means what all solvers left unsolved
 };
 
 /// Scenes in, answers to a sink. The stream groups scenes by launch, lays them out, launches them beside the ones
 /// before, checks certificates, and solves again what does not hold. Answers depend on their scene alone. Threads may
 /// use one stream at once.
-template <class Contacts>
+template <class Kind>
 class StreamOf {
+  static_assert(Contacts<Kind>);
+
  public:
-  using Scene = typename Contacts::Scene;
-  using Sensor = typename Contacts::Sensor;
-  using Solution = typename Contacts::Solution;
-  using Key = typename Contacts::Key;
-  using Solver = SensorSolver<Contacts>;
+  using Scene = typename Kind::Scene;
+  using Sensor = typename Kind::Sensor;
+  using Solution = typename Kind::Solution;
+  using Key = typename Kind::Key;
+  using Solver = SensorSolver<Kind>;
   /// Takes the answer of scene i in place.
   using LaneSink = std::function<void(std::size_t i, const LaneAnswer& answer)>;
   /// Takes the answer of a scene that was solved again.
   using SolutionSink = std::function<void(std::size_t i, Solution&& solution)>;
 
-  StreamOf(Executor& executor, typename Contacts::Model model)
+  StreamOf(Executor& executor, typename Kind::Model model)
       : executor_(executor), contacts_(executor, std::move(model)) {}
 
   /// Makes the tables of these sensors beforehand, on all threads, and keeps them.
@@ -158,7 +184,7 @@ class StreamOf {
     struct Launched {
       Key key;
       std::shared_ptr<const Solver> solver;
-      std::unique_ptr<ContactLaunch<Contacts>> launch;
+      std::unique_ptr<ContactLaunch<Kind>> launch;
       std::size_t longest = 0;           ///< steps of a scene
       std::vector<std::size_t> which{};  ///< scenes
     };
@@ -177,7 +203,7 @@ class StreamOf {
     std::vector<Place> places_;       ///< [scenes]
     std::vector<std::size_t> order_;  ///< of reading; empty: that of the scenes
   };
-  void add(Part& part, const Scene& scene, const typename Contacts::Path& path) const {
+  void add(Part& part, const Scene& scene, const typename Kind::Path& path) const {
     const Key key = contacts_.key(scene);
     const std::size_t steps = path.steps.size();
     std::size_t l = part.launches_.size();
@@ -250,7 +276,7 @@ class StreamOf {
       return std::async(std::launch::async, [&, first] {
         Part part;
         for (std::size_t k = first; k < std::min(first + most_scenes_of_a_part, order.size()); ++k)
-          add(part, scenes[order[k]], Contacts::path(scenes[order[k]]));
+          add(part, scenes[order[k]], Kind::path(scenes[order[k]]));
         part.lay_out();
         return part;
       });
@@ -306,7 +332,7 @@ class StreamOf {
   static constexpr std::size_t fetched_ahead = 2;
 
   Executor& executor_;
-  Contacts contacts_;
+  Kind contacts_;
   std::size_t most_kept_ = 16;
   mutable std::mutex turn_;                                                                  ///< of the next
   mutable std::list<std::pair<decltype(Key::sensor), std::shared_ptr<const Solver>>> kept_;  ///< the last used first

@@ -7,8 +7,7 @@
 #include <string>
 
 #include "fem/contact_solution.h"
-#include "host/contact/pad_solve.h"
-#include "host/contact/solve.h"
+#include "host/answers/solve.h"
 #include "host/live/sensor_profile.h"
 #include "hw/charge_amplifier.h"
 #include "hw/frame_source.h"

@@ -1,66 +1,147 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <string_view>
+#include <tuple>
 
+#include "host/answers/quantities.h"
 #include "host/python/bindings.h"
 
-// The members of the steps of a Path or PadPath as arrays.
+// The quantities of the steps of an answer, host/answers/quantities.h, as arrays.
 
 namespace tactel::python {
 
-/// One number of every step of a path, [steps].
-template <class Path, class Step, class Number>
-py::array_t<Number> of_steps(const Path& path, Number Step::*number) {
-  py::array_t<Number> all(static_cast<py::ssize_t>(path.steps.size()));
-  std::ranges::transform(path.steps, all.mutable_data(), [&](const Step& step) { return step.*number; });
+template <class Value>
+concept List = requires(const Value& value) {
+  value.size();
+};
+
+/// The number in an array of a value that is no list.
+template <class Value>
+struct NumberOf {
+  using type = Value;
+};
+template <>
+struct NumberOf<NodeStatus> {
+  using type = std::uint8_t;
+};
+template <List Value>
+struct NumberOf<Value> : NumberOf<typename Value::value_type> {};
+template <class Value>
+requires requires(const Value& value) { host::residuals(value); }
+struct NumberOf<Value> {
+  using type = double;  // the largest
+};
+
+/// Appends the extents of a value: none of a number.
+template <class Value>
+void add_extents(const Value& value, std::vector<py::ssize_t>& shape) {
+  if constexpr (List<Value>) {
+    shape.push_back(static_cast<py::ssize_t>(value.size()));
+    add_extents(typename Value::value_type{}, shape);
+  }
+}
+
+/// Writes the numbers of a value, and returns the place behind them.
+template <class Value, class Number>
+Number* put_numbers(const Value& value, Number* to) {
+  if constexpr (List<Value>) {
+    for (const auto& part : value) to = put_numbers(part, to);
+  } else if constexpr (requires { host::residuals(value); }) {
+    *to = 0;
+    host::each(host::residuals(value), [&](const auto& law) { *to = std::max(*to, law.value); });
+    ++to;
+  } else {
+    *to++ = static_cast<Number>(value);
+  }
+  return to;
+}
+
+/// One value of every step of a path, [steps] and the extents of the value. `member(step)` returns it.
+template <class Path, class Member>
+auto of_steps(const Path& path, const Member& member) {
+  using Step = typename decltype(path.steps)::value_type;
+  using Value = std::remove_cvref_t<decltype(member(std::declval<const Step&>()))>;
+  std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(path.steps.size())};
+  const Step none{};
+  add_extents(member(path.steps.empty() ? none : path.steps.front()), shape);
+  py::array_t<typename NumberOf<Value>::type> all(shape);
+  auto* to = all.mutable_data();
+  for (const Step& step : path.steps) to = put_numbers(member(step), to);
   return all;
 }
 
-/// One array of every step, [steps, n].
-template <class Path, class Step>
-py::array_t<double> of_steps(const Path& path, std::vector<double> Step::*numbers) {
-  const std::size_t columns = path.steps.empty() ? 0 : (path.steps.front().*numbers).size();
-  py::array_t<double> all({path.steps.size(), columns});
-  double* to = all.mutable_data();
-  for (const Step& step : path.steps) to = std::ranges::copy(step.*numbers, to).out;
-  return all;
+/// Text of an attribute: "[steps, 2] N along x, y".
+template <class Value>
+std::string doc_of(const host::Quantity<Value>& quantity, const char* axes) {
+  const std::string extent = quantity.extent;
+  return std::string("[") + axes + (extent.empty() ? "" : ", ") + extent + "] " + quantity.unit + quantity.meaning;
 }
 
-/// Two numbers of every step, [steps, 2].
-template <class Path, class Step>
-py::array_t<double> of_steps(const Path& path, std::array<double, 2> Step::*both) {
-  py::array_t<double> all({path.steps.size(), std::size_t{2}});
-  double* to = all.mutable_data();
-  for (const Step& step : path.steps) to = std::ranges::copy(step.*both, to).out;
-  return all;
+/// Calls visit.operator()<i>(quantity) for the quantities of a table but for the stresses of tactels.
+template <class Table, class Visit>
+void each_numbered(const Table& table, const Visit& visit) {
+  const auto one = [&]<std::size_t i>() {
+    if (std::string_view(std::get<i>(table).extent) != "tactels") visit.template operator()<i>(std::get<i>(table));
+  };
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (one.template operator()<i>(), ...); }
+  (std::make_index_sequence<std::tuple_size_v<Table>>());
 }
 
-/// Pairs of every step, [steps, n, 2].
+/// Binds the quantities of the steps of a path.
+template <class Path>
+void bind_steps(py::class_<Path>& path) {
+  using Step = typename decltype(Path::steps)::value_type;
+  const Step any{};
+  each_numbered(host::quantities<false>(any), [&]<std::size_t i>(const auto& quantity) {
+    path.def_property_readonly(
+        quantity.key,
+        [](const Path& self) {
+          return of_steps(
+              self, [](const Step& step) -> const auto& { return std::get<i>(host::quantities<false>(step)).value; });
+        },
+        doc_of(quantity, "steps").c_str());
+  });
+}
+
+/// Binds those of the steps of many scenes, as views.
+template <class Paths>
+void bind_many_steps(py::class_<Paths>& paths) {
+  const Paths any{};
+  each_numbered(host::quantities<true>(any), [&]<std::size_t i>(const auto& quantity) {
+    const bool pairs = quantity.extent == std::string_view("2");
+    paths.def_property_readonly(
+        quantity.key,
+        [pairs](const py::object& self) {
+          const auto& all = self.cast<const Paths&>();
+          std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(all.scenes), static_cast<py::ssize_t>(all.steps)};
+          if (pairs) shape.push_back(2);
+          return view(std::get<i>(host::quantities<true>(all)).value, shape, self);
+        },
+        doc_of(quantity, "scenes, steps").c_str());
+  });
+}
+
+/// Stresses of every step, fp32, as networks take them: [steps, stresses of a tactel times tactels].
 template <class Path, class Step>
-py::array_t<double> of_steps(const Path& path, std::vector<std::array<double, 2>> Step::*pairs) {
-  const std::size_t columns = path.steps.empty() ? 0 : (path.steps.front().*pairs).size();
-  py::array_t<double> all({path.steps.size(), columns, std::size_t{2}});
-  double* to = all.mutable_data();
+py::array_t<float> frames_of(const Path& path, std::initializer_list<std::vector<double> Step::*> stresses,
+                             std::size_t tactels) {
+  py::array_t<float> frames({path.steps.size(), stresses.size() * tactels});
+  float* to = frames.mutable_data();
   for (const Step& step : path.steps)
-    for (const auto& pair : step.*pairs) to = std::ranges::copy(pair, to).out;
-  return all;
+    for (const auto stress : stresses) to = put_numbers(step.*stress, to);
+  return frames;
 }
-
-/// Statuses of every step, [steps, n].
-template <class Path, class Step>
-py::array_t<std::uint8_t> of_steps(const Path& path, std::vector<NodeStatus> Step::*status) {
-  const std::size_t columns = path.steps.empty() ? 0 : (path.steps.front().*status).size();
-  py::array_t<std::uint8_t> all({path.steps.size(), columns});
-  std::uint8_t* to = all.mutable_data();
-  for (const Step& step : path.steps)
-    to = std::ranges::transform(step.*status, to, [](NodeStatus s) { return static_cast<std::uint8_t>(s); }).out;
-  return all;
-}
-
-/// Getter of a member of the steps of a path.
-template <class Path, auto Member>
-auto steps_property() {
-  return [](const Path& path) { return of_steps(path, Member); };
+/// The same of many scenes, [scenes, steps, ...].
+template <class Paths>
+py::array_t<float> frames_of(const Paths& all, std::initializer_list<std::vector<double> Paths::*> stresses,
+                             std::size_t tactels) {
+  py::array_t<float> frames({all.scenes, all.steps, stresses.size() * tactels});
+  float* to = frames.mutable_data();
+  for (std::size_t row = 0; row < all.scenes * all.steps; ++row)
+    for (const auto stress : stresses)
+      for (std::size_t i = 0; i < tactels; ++i) *to++ = static_cast<float>((all.*stress)[row * tactels + i]);
+  return frames;
 }
 
 /// Pages and VTK files of an answer.

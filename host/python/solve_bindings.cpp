@@ -30,25 +30,12 @@ py::dict to_dict(const ExpectedError& error) {
                   "tau_xy"_a = error.tau_xy, "finer"_a = error.finer);
 }
 
-/// Normal stresses of a step, then its shear: [scenes, steps, 2 tactels].
-py::array_t<float> frames_of(const Paths& all) {
-  py::array_t<float> frames({all.scenes, all.steps, 2 * all.tactels});
-  float* to = frames.mutable_data();
-  for (std::size_t row = 0; row < all.scenes * all.steps; ++row)
-    for (const std::vector<double>* stress : {&all.sigma_y, &all.tau_xy})
-      for (std::size_t i = 0; i < all.tactels; ++i) *to++ = static_cast<float>((*stress)[row * all.tactels + i]);
-  return frames;
-}
-
-template <class Number>
-auto grid(std::vector<Number> Paths::*numbers, int axes) {
-  return [numbers, axes](const py::object& self) {
-    const auto& all = self.cast<const Paths&>();
-    std::vector<py::ssize_t> shape;
-    for (const std::size_t n : {all.scenes, all.steps, all.tactels}) shape.push_back(static_cast<py::ssize_t>(n));
-    shape.resize(static_cast<std::size_t>(axes));
-    return view(all.*numbers, shape, self);
-  };
+/// Stress at the tactels of all scenes, [scenes, steps, tactels].
+py::array_t<double> stress_of(const py::object& self, std::vector<double> Paths::*stress) {
+  const auto& all = self.cast<const Paths&>();
+  std::vector<py::ssize_t> shape;
+  for (const std::size_t n : {all.scenes, all.steps, all.tactels}) shape.push_back(static_cast<py::ssize_t>(n));
+  return view(all.*stress, shape, self);
 }
 
 /// [steps, parameters], or [steps, parameters, tactels].
@@ -96,40 +83,24 @@ void bind_path(py::module_& m) {
   py::class_<Path> path(m, "Path",
                         "The answer to a scene: one entry for each load increment, those of the indentation first.");
   bind_pictures(path);
+  bind_steps(path);
   path.def("__len__", [](const Path& path) { return path.steps.size(); })
-      .def_property_readonly("slip_index", steps_property<Path, &Step::slip_index>(),
-                             "[steps] S = Q / (mu P); NaN where mu P = 0")
-      .def_property_readonly("P", steps_property<Path, &Step::P>(), "[steps] N/mm, of the indenter on the rubber")
-      .def_property_readonly("Q", steps_property<Path, &Step::Q>(), "[steps] N/mm; > 0 drags the rubber toward +x")
-      .def_property_readonly("indentation", steps_property<Path, &Step::indentation>(), "[steps] mm")
-      .def_property_readonly("tangential", steps_property<Path, &Step::tangential>(), "[steps] mm")
-      .def_property_readonly("slip_distance", steps_property<Path, &Step::slip_distance>(), "[steps] mm")
-      .def_property_readonly("converged", steps_property<Path, &Step::converged>(), "[steps] bool")
-      .def_property_readonly("iterations", steps_property<Path, &Step::iterations>(), "[steps]")
       .def_property_readonly(
           "tactels",
           [](const Path& path) {
-            return Tactels{of_steps(path, &Step::sigma_y), of_steps(path, &Step::tau_xy)};
+            const auto stress = [&](auto member) {
+              return of_steps(
+                  path, [member](const Step& step) -> const auto& { return step.*member; });
+            };
+            return Tactels{stress(&Step::sigma_y), stress(&Step::tau_xy)};
           },
           "normal and shear stress, [steps, tactels] MPa")
       .def_property_readonly(
           "frames",
           [](const Path& path) {
-            const std::size_t tactels = path.tactel_x.size();
-            py::array_t<float> frames({path.steps.size(), 2 * tactels});
-            float* to = frames.mutable_data();
-            for (const Step& step : path.steps)
-              for (const std::vector<double>* stress : {&step.sigma_y, &step.tau_xy})
-                to = std::ranges::transform(*stress, to, [](double s) { return static_cast<float>(s); }).out;
-            return frames;
+            return frames_of(path, {&Step::sigma_y, &Step::tau_xy}, path.tactel_x.size());
           },
           "[steps, 2 tactels] MPa, fp32, as networks take them: normal stresses, then shear")
-      .def_property_readonly("normal_force", steps_property<Path, &Step::normal_force>(),
-                             "[steps, surface] N/mm; >= 0 presses")
-      .def_property_readonly("tangential_force", steps_property<Path, &Step::tangential_force>(),
-                             "[steps, surface] N/mm")
-      .def_property_readonly("status", steps_property<Path, &Step::status>(),
-                             "[steps, surface] 0 open, 1 stick, 2 slip")
       .def_property_readonly("surface_x", column(&Path::surface_x), "[surface] mm")
       .def_property_readonly("tactel_x", column(&Path::tactel_x), "[tactels] mm")
       .def_readonly("sliding", &Path::sliding, "the last step slides as a whole")
@@ -152,28 +123,25 @@ void bind_path(py::module_& m) {
 }
 
 void bind_paths(py::module_& m) {
-  py::class_<Paths>(
+  py::class_<Paths> paths(
       m, "Paths",
-      "Answers of many scenes. Arrays are views without copies; entries beyond a scene's own steps are NaN.")
-      .def("__len__", [](const Paths& all) { return all.scenes; })
-      .def_property_readonly("slip_index", grid(&Paths::slip_index, 2),
-                             "[scenes, steps] S = Q / (mu P); NaN where mu P = 0")
-      .def_property_readonly("P", grid(&Paths::P, 2), "[scenes, steps] N/mm, of the indenter on the rubber")
-      .def_property_readonly("Q", grid(&Paths::Q, 2), "[scenes, steps] N/mm; > 0 drags the rubber toward +x")
-      .def_property_readonly("indentation", grid(&Paths::indentation, 2), "[scenes, steps] mm")
-      .def_property_readonly("tangential", grid(&Paths::tangential, 2), "[scenes, steps] mm")
-      .def_property_readonly("converged", grid(&Paths::converged, 2), "[scenes, steps] 1: within its tolerance")
-      .def_property_readonly("steps_made", grid(&Paths::steps_made, 1), "[scenes] load steps of each scene")
-      .def_property_readonly("sliding", grid(&Paths::sliding, 1), "[scenes] 1: the last step slides as a whole")
-      .def_property_readonly("fell_back", grid(&Paths::fell_back, 1), "[scenes] 1: the exact fallback answered")
+      "Answers of many scenes. Arrays are views without copies; entries beyond a scene's own steps are NaN.");
+  bind_many_steps(paths);
+  paths.def("__len__", [](const Paths& all) { return all.scenes; })
+      .def_property_readonly("steps_made", column(&Paths::steps_made), "[scenes] load steps of each scene")
+      .def_property_readonly("sliding", column(&Paths::sliding), "[scenes] 1: the last step slides as a whole")
+      .def_property_readonly("fell_back", column(&Paths::fell_back), "[scenes] 1: the exact fallback answered")
       .def_property_readonly(
           "tactels",
           [](const py::object& self) {
-            return Tactels{grid(&Paths::sigma_y, 3)(self), grid(&Paths::tau_xy, 3)(self)};
+            return Tactels{stress_of(self, &Paths::sigma_y), stress_of(self, &Paths::tau_xy)};
           },
           "normal and shear stress, [scenes, steps, tactels] MPa")
       .def_property_readonly(
-          "frames", &frames_of,
+          "frames",
+          [](const Paths& all) {
+            return frames_of(all, {&Paths::sigma_y, &Paths::tau_xy}, all.tactels);
+          },
           "[scenes, steps, 2 tactels] MPa, fp32 copy, as networks take them: normal stresses, then shear")
       .def_readonly("rung", &Paths::rung)
       .def_readonly("precision", &Paths::precision)

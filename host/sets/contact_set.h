@@ -7,8 +7,10 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "host/support/each_of.h"
 #include "nn/frame_set.h"
 
 namespace tactel::host {
@@ -34,8 +36,28 @@ struct SetColumns {
 /// step: its forces are coarse.
 inline constexpr int coarse_row = 3;
 
+/// Numbers of contacts of a set; of them fell_back, unsolved and without_rows are attributes of its file.
+struct SetCounts {
+  std::uint64_t fell_back = 0;                              ///< solved by the exact fallback
+  std::uint64_t unsolved = 0;                               ///< with a load step over tolerance
+  std::uint64_t too_deep = 0;                               ///< indented beyond the depth to which rubber is linear
+  std::uint64_t without_rows = 0;                           ///< without a row, because mu P = 0 in every step
+  std::uint64_t far_slip = 0;                               ///< that slide beyond slip_limit
+  std::uint64_t near_edge = 0, unseen = 0, wide_cells = 0;  ///< of outside_edges, outside_tactels, outside_cells
+  std::uint64_t never_slid = 0;                             ///< with rows, whose drag until sliding ends without it
+  std::uint64_t coarse = 0;                                 ///< rows, not contacts: marked as coarse_row
+
+  SetCounts& operator+=(const SetCounts& more) {
+    for (const auto count : {&SetCounts::fell_back, &SetCounts::unsolved, &SetCounts::too_deep,
+                             &SetCounts::without_rows, &SetCounts::far_slip, &SetCounts::near_edge, &SetCounts::unseen,
+                             &SetCounts::wide_cells, &SetCounts::never_slid, &SetCounts::coarse})
+      this->*count += more.*count;
+    return *this;
+  }
+};
+
 /// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
-struct ContactSet : SetColumns {
+struct ContactSet : SetColumns, SetCounts {
   ContactSet() = default;
   explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}
 
@@ -64,18 +86,8 @@ struct ContactSet : SetColumns {
   std::string transducer;                   ///< attribute: measuring chain of the stresses, nn::description
   bool press_rows = false;                  ///< attribute: the load steps of the pressing are rows, too
   std::uint64_t seed = 0;                   ///< attribute
-  std::uint64_t fell_back = 0;              ///< attribute: contacts solved by the exact fallback
-  std::uint64_t unsolved = 0;               ///< attribute: contacts with a load step over tolerance
   std::uint64_t contacts = 0;               ///< attribute: contacts that were simulated
-  std::uint64_t without_rows = 0;           ///< attribute: contacts without a row, because mu P = 0 in every step
-  std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
-  std::uint64_t too_deep = 0;    ///< contacts indented beyond the depth to which rubber is linear; not in the file
-  std::uint64_t far_slip = 0;    ///< contacts that slide beyond slip_limit; not in the file
-  std::uint64_t near_edge = 0;   ///< contacts of outside_edges; not in the file
-  std::uint64_t unseen = 0;      ///< of outside_tactels
-  std::uint64_t wide_cells = 0;  ///< of outside_cells
-  std::uint64_t coarse = 0;      ///< rows that are marked so; not in the file
-  std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
+  std::string plan;  ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
 
   std::size_t rows() const { return slip_index.size(); }
   /// Returns which datasets a file of this set has: all but those left out and those of later versions that are empty.
@@ -84,47 +96,78 @@ struct ContactSet : SetColumns {
   nn::FrameSet frames_with_answers() const;
 };
 
-/// Calls visit(name, values, columns, unit) for every dataset with rows that a set has; columns 0: a plain list.
-template <class Set, class Visit>
-void each_dataset(Set& set, const Visit& visit_any) {
-  const auto visit = [&](const char* name, auto& values, int columns, const char* unit) {
-    if (set.has(name)) visit_any(name, values, columns, unit);
+/// Numbers of a row in a dataset.
+enum class RowWidth { one, directions, inputs };
+
+/// A unit of pads that is that of lines.
+inline constexpr const char* as_line = "as of lines";
+
+/// A dataset with rows.
+template <class Values>
+struct SetColumn {
+  const char* name;
+  const char *line, *pad;  ///< unit of lines, of pads; null: their sets have none
+  Values& value;
+  RowWidth width = RowWidth::one;
+  bool of_sensors = false;  ///< only where each contact has its own sensor
+};
+template <class Values, class... More>
+SetColumn(const char*, const char*, const char*, Values&, More...) -> SetColumn<Values>;
+
+/// Returns the datasets with rows of a set, in their order: of a ContactSet, or of the public Set, whose arrays have
+/// the same names.
+template <class Set>
+auto set_columns(Set& set) {
+  constexpr auto sensors = [](const char* name, const char* line, const char* pad, auto& values) {
+    return SetColumn{name, line, pad, values, RowWidth::one, true};
   };
-  if (set.pad) {
-    visit("inputs", set.frames, set.inputs, "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y");
-    visit("slip_index", set.slip_index, 0, "1; 1 / lambda, the share of the contact's limit that (Q, M) take");
-    visit("normal_force", set.normal_force, 0, "N");
-    visit("tangential_force", set.tangential_force, 2, "N; along x and y");
-    visit("torque", set.torque, 0, "N mm; about the indenter's axis");
-    visit("force_ratio", set.force_ratio, 0, "1; |Q| / (mu P)");
-    visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
-    visit("tangential", set.tangential, 2, "mm; position of the indenter along x and y since first touch");
-    visit("twist", set.twist, 0, "degrees; of the indenter about its axis since first touch");
-    visit("friction", set.friction, 0, "1");
-    visit("stick_fraction", set.stick_fraction, 0, "1; stuck cells over touching cells");
-    visit("contact_nodes", set.contact_nodes, 0, "surface cells that touch");
-    visit("outside", set.outside, 0, "1 at an edge, 2 far from tactels, 4 cells wider than the thickness; their sum");
-  } else {
-    visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
-    visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
-    visit("normal_force", set.normal_force, 0, "N/mm");
-    visit("tangential_force", set.tangential_force, 0, "N/mm");
-    visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
-    visit("tangential", set.tangential, 0, "mm; position of the indenter along x since first touch");
-    visit("friction", set.friction, 0, "1");
-    visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
-    visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
-  }
-  visit("contact", set.contact, 0, "which contact");
-  visit("step", set.step, 0, "which load step of the contact");
-  visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
-  visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance, 3 few elements or cells touch");
-  visit("residual", set.residual, 0, "1; largest relative residual");
-  if (!set.sensors) return;
-  visit("poisson", set.poisson, 0, "1; of the contact's own sensor");
-  visit("thickness", set.thickness, 0, "mm; of the contact's own sensor");
-  visit("young", set.young, 0, "MPa; of the contact's own sensor");
-  if (!set.pad) visit("length", set.length, 0, "mm; of the contact's own sensor");
+  return std::tuple{
+      SetColumn{"inputs", "MPa; normal stress of every tactel, then shear",
+                "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y", set.frames, RowWidth::inputs},
+      SetColumn{"slip_index", "1; Q / (mu P)", "1; 1 / lambda, the share of the contact's limit that (Q, M) take",
+                set.slip_index},
+      SetColumn{"normal_force", "N/mm", "N", set.normal_force},
+      SetColumn{"tangential_force", "N/mm", "N; along x and y", set.tangential_force, RowWidth::directions},
+      SetColumn{"torque", nullptr, "N mm; about the indenter's axis", set.torque},
+      SetColumn{"force_ratio", nullptr, "1; |Q| / (mu P)", set.force_ratio},
+      SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation},
+      SetColumn{"tangential", "mm; position of the indenter along x since first touch",
+                "mm; position of the indenter along x and y since first touch", set.tangential, RowWidth::directions},
+      SetColumn{"twist", nullptr, "degrees; of the indenter about its axis since first touch", set.twist},
+      SetColumn{"friction", "1", as_line, set.friction},
+      SetColumn{"stick_fraction", "1; stuck length over contact length", "1; stuck cells over touching cells",
+                set.stick_fraction},
+      SetColumn{"contact_nodes", "surface nodes that touch", "surface cells that touch", set.contact_nodes},
+      SetColumn{"outside", nullptr, "1 at an edge, 2 far from tactels, 4 cells wider than the thickness; their sum",
+                set.outside},
+      SetColumn{"contact", "which contact", as_line, set.contact},
+      SetColumn{"step", "which load step of the contact", as_line, set.step},
+      SetColumn{"indenter", "place in the attribute indenter_names", as_line, set.indenter},
+      SetColumn{"status", "0 solved, 1 sliding, 2 over tolerance, 3 few elements or cells touch", as_line, set.status},
+      SetColumn{"residual", "1; largest relative residual", as_line, set.residual},
+      sensors("poisson", "1; of the contact's own sensor", as_line, set.poisson),
+      sensors("thickness", "mm; of the contact's own sensor", as_line, set.thickness),
+      sensors("young", "MPa; of the contact's own sensor", as_line, set.young),
+      sensors("length", "mm; of the contact's own sensor", nullptr, set.length)};
+}
+
+/// Calls visit(name, values, columns, unit) for every dataset with rows of the kind of a set, also those that it leaves
+/// out; columns 0: a plain list.
+template <class Set, class Visit>
+void each_column(Set& set, const Visit& visit) {
+  each(set_columns(set), [&](const auto& column) {
+    const char* const unit = set.pad && column.pad != as_line ? column.pad : column.line;
+    if (unit == nullptr || (column.of_sensors && !set.sensors)) return;
+    const bool directed = column.width == RowWidth::directions && set.pad;
+    visit(column.name, column.value, column.width == RowWidth::inputs ? set.inputs : directed ? 2 : 0, unit);
+  });
+}
+/// The same of those that it has.
+template <class Set, class Visit>
+void each_dataset(Set& set, const Visit& visit) {
+  each_column(set, [&](const char* name, auto& values, int columns, const char* unit) {
+    if (set.has(name)) visit(name, values, columns, unit);
+  });
 }
 
 /// The same for the datasets of a set that have no rows: a row a contact, and one a tactel.

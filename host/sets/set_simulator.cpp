@@ -12,10 +12,9 @@
 #include "fem/contact_laws.h"
 #include "fem/pad/pad_presses.h"
 #include "host/contact/contact_stream.h"
-#include "host/contact/pad_solve.h"
+#include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
 #include "host/contact/sensor_tables.h"
-#include "host/contact/solve.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
@@ -61,50 +60,36 @@ using PadContactOf = Contact<PadContacts>;
 
 /// Elements that touch, or cells over which the contact extends along its shorter side.
 int across_of(const LaneAnswer& answer, const LineContact&, int k) {
-  return static_cast<int>(answer.result(k, LANE_STICKING) + answer.result(k, LANE_SLIPPING));
+  return static_cast<int>(answer.result(k, RESULT_STICKING) + answer.result(k, RESULT_SLIPPING));
 }
 int across_of(const LaneAnswer& answer, const PadContactOf&, int k) {
   return static_cast<int>(answer.result(k, PAD_RESULT_ACROSS));
 }
 
-/// What is read of the answer of a kernel, by kind of contact.
-[[gnu::always_inline]] inline Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
+/// What is read of the answer of a kernel.
+template <class Contacts>
+[[gnu::always_inline]] inline Row row_of(const LaneAnswer& answer, const Contact<Contacts>& contact, int k) {
   const auto result = [&](int row) { return answer.result(k, row); };
-  return {.slip_index = slip_index(contact.friction, result(LANE_P), result(LANE_SLIP_INDEX)),
-          .P = result(LANE_P),
-          .indentation = result(LANE_INDENTATION),
-          .slip_distance = result(LANE_SLIP_DISTANCE),
-          .residual = std::max({result(LANE_PENETRATION), result(LANE_CONE), result(LANE_COMPLEMENTARITY),
-                                result(LANE_DRIFT), result(LANE_BALANCE)}),
-          .Q = {result(LANE_Q)},
-          .tangential = {result(LANE_TANGENTIAL)},
+  Row row{.slip_index = slip_index(contact.friction, result(RESULT_P), result(RESULT_S)),
+          .P = result(RESULT_P),
+          .indentation = result(RESULT_DEPTH),
+          .slip_distance = result(RESULT_SLIP_DISTANCE),
+          .residual = std::max({result(RESULT_PENETRATION), result(RESULT_COMPLEMENTARITY), result(RESULT_CONE),
+                                result(RESULT_DRIFT), result(RESULT_OWN_RESIDUAL)}),
           .across = across_of(answer, contact, k),
-          .sticking = static_cast<int>(result(LANE_STICKING)),
-          .slipping = static_cast<int>(result(LANE_SLIPPING)),
-          .status = static_cast<int>(result(LANE_STATUS))};
-}
-
-Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
-  const auto result = [&](int row) { return answer.result(k, row); };
-  const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
-  const double grip = contact.friction * result(PAD_RESULT_P);
-  Row row{.P = result(PAD_RESULT_P),
-          .indentation = result(PAD_RESULT_DEPTH),
-          .slip_distance = result(PAD_RESULT_SLIP_DISTANCE),
-          .residual = std::max({result(PAD_RESULT_PENETRATION), result(PAD_RESULT_COMPLEMENTARITY),
-                                result(PAD_RESULT_CONE), result(PAD_RESULT_DRIFT), result(PAD_RESULT_ANGLE)}),
-          .Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)},
-          .tangential = {at.x, at.y},
-          .torque = result(PAD_RESULT_M),
-          .twist = fem::degrees(at.twist),
-          .area = result(PAD_RESULT_AREA),
-          .reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
-                    {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}},
-          .across = across_of(answer, contact, k),
-          .sticking = static_cast<int>(result(PAD_RESULT_STICKING)),
-          .slipping = static_cast<int>(result(PAD_RESULT_SLIPPING)),
-          .status = static_cast<int>(result(PAD_RESULT_STATUS))};
-  if (grip > 0) row.slip_index = result(PAD_RESULT_S), row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / grip;
+          .sticking = static_cast<int>(result(RESULT_STICKING)),
+          .slipping = static_cast<int>(result(RESULT_SLIPPING)),
+          .status = static_cast<int>(result(RESULT_STATUS))};
+  if constexpr (Contact<Contacts>::of_lines) {
+    row.Q[0] = result(LANE_Q), row.tangential[0] = result(LANE_TANGENTIAL);
+  } else {
+    const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
+    row.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, row.tangential = {at.x, at.y};
+    row.torque = result(PAD_RESULT_M), row.twist = fem::degrees(at.twist), row.area = result(PAD_RESULT_AREA);
+    row.reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
+                 {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}};
+    if (row.slip_index) row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / (contact.friction * row.P);
+  }
   return row;
 }
 
@@ -203,7 +188,7 @@ struct StepsOfLane {
       if (const auto own = alone->find({contact->number, k}); own != alone->end()) return &own->second;
     return nullptr;
   }
-  bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
+  bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING; }
   void fetch(int k, std::size_t part, std::size_t parts) const { answer.fetch_step(k, part, parts); }
 
   LaneAnswer answer;
@@ -242,31 +227,17 @@ struct StepsOfSolution {
 };
 
 void resize(ContactSet& set, std::size_t rows) {
-  set.frames.resize(rows * set.inputs);
-  for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.indentation, &set.friction, &set.stick_fraction, &set.residual})
-    list->resize(rows);
-  for (auto* list : {&set.tangential_force, &set.tangential})
-    list->resize(rows * static_cast<std::size_t>(set.directions()));
-  if (set.pad)
-    for (auto* list : {&set.torque, &set.twist, &set.force_ratio}) list->resize(rows);
-  if (set.pad) set.outside.resize(rows);
-  set.contact_nodes.resize(rows), set.indenter.resize(rows);
-  if (set.sensors)
-    for (auto* list : {&set.poisson, &set.thickness, &set.young, &set.length}) list->resize(rows);
-  set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
+  each_column(set, [rows](const char*, auto& values, int columns, const char*) {
+    values.resize(rows * static_cast<std::size_t>(std::max(columns, 1)));
+  });
 }
 
-void put_sensor(ContactSet& set, std::size_t at, const fem::Sensor& sensor) {
+void put_sensor(ContactSet& set, std::size_t at, const auto& sensor) {
   set.poisson[at] = static_cast<float>(sensor.poisson);
   set.thickness[at] = static_cast<float>(sensor.thickness);
   set.young[at] = static_cast<float>(sensor.young);
-  set.length[at] = static_cast<float>(sensor.length);
-}
-void put_sensor(ContactSet& set, std::size_t at, const fem::PadSensor& sensor) {
-  set.poisson[at] = static_cast<float>(sensor.poisson);
-  set.thickness[at] = static_cast<float>(sensor.thickness);
-  set.young[at] = static_cast<float>(sensor.young);
+  if constexpr (std::is_same_v<decltype(sensor), const fem::Sensor&>)
+    set.length[at] = static_cast<float>(sensor.length);
 }
 
 /// Puts a step into row `at`.

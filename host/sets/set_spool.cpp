@@ -233,16 +233,7 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
                      .contacts = parameters_of(columns_) > 0 ? rows.contacts : 0,
                      .inputs = static_cast<std::uint64_t>(rows.inputs),
                      .bytes = bytes,
-                     .fell_back = rows.fell_back,
-                     .unsolved = rows.unsolved,
-                     .too_deep = rows.too_deep,
-                     .without_rows = rows.without_rows,
-                     .far_slip = rows.far_slip,
-                     .near_edge = rows.near_edge,
-                     .unseen = rows.unseen,
-                     .wide_cells = rows.wide_cells,
-                     .never_slid = rows.never_slid,
-                     .coarse = rows.coarse,
+                     .counts = rows,
                      .payload_sum = sum.value()};
   header.header_sum = header.sum();
   return header;
@@ -385,16 +376,7 @@ void SetSpool::assemble(ContactSet& set, bool compress) {
   std::uint64_t contacts = 0;
   for (const ChunkHeader& header : placed_->chunks()) {
     contacts += header.contacts;
-    set.fell_back += header.fell_back;
-    set.unsolved += header.unsolved;
-    set.too_deep += header.too_deep;
-    set.without_rows += header.without_rows;
-    set.far_slip += header.far_slip;
-    set.near_edge += header.near_edge;
-    set.unseen += header.unseen;
-    set.wide_cells += header.wide_cells;
-    set.coarse += header.coarse;
-    set.never_slid += header.never_slid;
+    set += header.counts;
   }
   if (compress || !placed_->fits_hdf5()) {  // a copy
     flush();

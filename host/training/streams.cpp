@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "host/contact/rung_for_many.h"
+#include "host/answers/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"

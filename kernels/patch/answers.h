@@ -53,20 +53,20 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   STORE(s->slot, place);
   vreal rows[FORCE_ROWS];
   EACH(r, PATCH_BLOCK) { rows[r] = 0; }
-  rows[LANE_INDENTATION] = s->d;
+  rows[RESULT_DEPTH] = s->d;
   rows[LANE_TANGENTIAL] = s->x;
-  rows[LANE_P] = p * young;
+  rows[RESULT_P] = p * young;
   rows[LANE_Q] = q * young;
-  rows[LANE_SLIP_INDEX] = PICK(cone > 0, q / cone, ALL_LANES(0));
-  rows[LANE_STICKING] = sticking;
-  rows[LANE_SLIPPING] = slipping;
-  rows[LANE_SWEEPS] = s->sweeps;
-  rows[LANE_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
-  rows[LANE_PENETRATION] = said.penetration;
-  rows[LANE_CONE] = said.cone;
-  rows[LANE_COMPLEMENTARITY] = said.complementarity;
-  rows[LANE_DRIFT] = said.drift;
-  rows[LANE_SLIP_DISTANCE] = said.slip_distance;
+  rows[RESULT_S] = PICK(cone > 0, q / cone, ALL_LANES(0));
+  rows[RESULT_STICKING] = sticking;
+  rows[RESULT_SLIPPING] = slipping;
+  rows[RESULT_SWEEPS] = s->sweeps;
+  rows[RESULT_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
+  rows[RESULT_PENETRATION] = said.penetration;
+  rows[RESULT_CONE] = said.cone;
+  rows[RESULT_COMPLEMENTARITY] = said.complementarity;
+  rows[RESULT_DRIFT] = said.drift;
+  rows[RESULT_SLIP_DISTANCE] = said.slip_distance;
   EACH(l, LANES) {
     row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], PATCH_BLOCK);
   }
@@ -137,7 +137,7 @@ static inline void finish(const Answers *answers, const Patch *patch, vint valid
   for (int l = 0; l < LANES; ++l)
     for (int k = (int)done[l]; k < answers->slots; ++k) {
       global real *result = answers->result + answer_at(first_lane + l, answers->slots, k, PATCH_BLOCK);
-      for (int r = 0; r < PATCH_BLOCK; ++r) result[AT(r)] = r == LANE_STATUS ? idle[l] : 0;
+      for (int r = 0; r < PATCH_BLOCK; ++r) result[AT(r)] = r == RESULT_STATUS ? idle[l] : 0;
     }
 }
 

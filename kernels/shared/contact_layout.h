@@ -2,33 +2,14 @@
 /* Rows of the contact kernel's arrays. Everything is stored in the kernel's real type. `lane` is the fastest index. */
 #ifndef TACTEL_CONTACT_LAYOUT_H
 #define TACTEL_CONTACT_LAYOUT_H
+#include "shared/result_rows.h"
 
 /* Result of one lane (one scene) after one load increment: rows of `result`, [group][step][LANE_RESULT_ROWS][lane]. */
 enum LaneResultRow {
-  LANE_INDENTATION = 0, /* mm */
-  LANE_TANGENTIAL,      /* mm */
-  LANE_P,               /* N/mm, >= 0 */
-  LANE_Q,               /* N/mm, > 0 drags the rubber to +x */
-  LANE_SLIP_INDEX,      /* Q / (mu P); 0 where mu P = 0: see LANE_STATUS */
-  LANE_STICKING,        /* nodes that stick */
-  LANE_SLIPPING,        /* nodes that slip */
-  LANE_SWEEPS,          /* Gauss-Seidel sweeps of this increment */
-  LANE_STATUS,          /* LaneStatus */
-  LANE_PENETRATION,     /* the certificate, relative as in fem/contact_solution.h */
-  LANE_CONE,
-  LANE_COMPLEMENTARITY,
-  LANE_DRIFT,
-  LANE_BALANCE,
-  LANE_SLIP_DISTANCE, /* mm: largest |LANE_TANGENTIAL - u_x| of a node that touches */
+  LANE_BALANCE = RESULT_OWN_RESIDUAL,
+  LANE_TANGENTIAL = RESULT_OWN_ROWS, /* mm */
+  LANE_Q,                            /* N/mm, > 0 drags the rubber to +x */
   LANE_RESULT_ROWS
-};
-
-enum LaneStatus {
-  LANE_SOLVED = 0, /* met its tolerance */
-  LANE_SLIDING,    /* met its tolerance, and every touching node slips */
-  LANE_UNSOLVED,   /* did not meet its tolerance: its numbers are the last iterate */
-  LANE_INVALID,    /* input not finite: its numbers are zero */
-  LANE_NOT_RUN     /* the path had ended */
 };
 
 /* Height of a node that carries no gap element, mm: a number that no profile reaches, small enough for its square in

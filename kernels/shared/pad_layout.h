@@ -3,6 +3,7 @@
    except where a unit is named; directions are those of the indenter's own frame, except in answers. */
 #ifndef TACTEL_PAD_LAYOUT_H
 #define TACTEL_PAD_LAYOUT_H
+#include "shared/result_rows.h"
 
 /* Numbers of a result; a gathered row of the base stress's table has as many. */
 enum { PAD_BLOCK = 16 };
@@ -57,23 +58,11 @@ enum PadPathRow {
 /* The result of a lane after an asked increment, `result`, [lane of all groups][slots][PAD_RESULT_ROWS], in the pad's
    frame. */
 enum PadResultRow {
-  PAD_RESULT_P = 0,       /* N, >= 0 */
-  PAD_RESULT_QX,          /* N, > 0 drags the rubber to +x */
-  PAD_RESULT_QY,          /* N */
-  PAD_RESULT_M,           /* N mm about the indenter's axis */
-  PAD_RESULT_S,           /* slip index 1 / lambda; 0 where mu P = 0 */
-  PAD_RESULT_STICKING,    /* cells that stick */
-  PAD_RESULT_SLIPPING,    /* cells that slip */
-  PAD_RESULT_SWEEPS,      /* of this increment */
-  PAD_RESULT_STATUS,      /* LaneStatus */
-  PAD_RESULT_DEPTH,       /* mm */
-  PAD_RESULT_PENETRATION, /* the certificate, relative as in fem/pad/pad_contact.h */
-  PAD_RESULT_COMPLEMENTARITY,
-  PAD_RESULT_CONE,
-  PAD_RESULT_DRIFT,
-  PAD_RESULT_ANGLE,
-  PAD_RESULT_OUTSIDE,       /* sum of 1, 2, 4, 8: beyond the side -x, +x, -y, +y the surface is penetrated */
-  PAD_RESULT_SLIP_DISTANCE, /* mm: how far the indenter has slid over the cells that touch, at most */
+  PAD_RESULT_ANGLE = RESULT_OWN_RESIDUAL,
+  PAD_RESULT_QX = RESULT_OWN_ROWS, /* N, > 0 drags the rubber to +x */
+  PAD_RESULT_QY,                   /* N */
+  PAD_RESULT_M,                    /* N mm about the indenter's axis */
+  PAD_RESULT_OUTSIDE,              /* sum of 1, 2, 4, 8: beyond the side -x, +x, -y, +y the surface is penetrated */
   PAD_RESULT_AREA,          /* mm^2 of the cells that touch */
   PAD_RESULT_LEFT,          /* mm along the pad from the indenter's axis to the edges of the outermost such cells: x */
   PAD_RESULT_RIGHT,

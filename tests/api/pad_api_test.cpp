@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-#include "host/contact/pad_solve.h"
+#include "host/answers/solve.h"
+#include "host/answers/warnings.h"
 #include "host/scenes/scene_file.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
@@ -72,10 +73,10 @@ void expect_same(const PadPath& path, const host::PadOutcome& outcome) {
   EXPECT_EQ(path.cell_width[1], outcome.solution.cells.hy);
   EXPECT_EQ(path.model, host::model_name(outcome));
   EXPECT_EQ(path.rung, outcome.rung.name);
-  const auto& e = outcome.error.value().most95;
+  const auto& e = outcome.error.value().expected;
   const PadError& error = path.error.value();
   EXPECT_EQ((std::array{error.S, error.P, error.Q, error.M, error.sigma, error.tau}),
-            (std::array{e.slip_index, e.P, e.Q, e.M, e.sigma, e.tau}));
+            (std::array{e.S, e.P, e.Q, e.M, e.sigma, e.tau}));
   EXPECT_EQ(error.from, "24 x 24 cells");
   EXPECT_EQ(path.warnings, host::warnings(outcome));
 }
@@ -261,7 +262,7 @@ TEST(PadSolveApi, NamesTheSceneOfMany) {
 TEST(PadSolveApi, AnAccuracyTakesTheRungThatKeepsIt) {
   std::vector<PadScene> scenes(2, sphere_drag());
   scenes[1].load = press_pad_by_force(1);
-  const double kept = host::measured_pads()[0].of[0].most95.slip_index;  // of spheres
+  const double kept = host::measured_pads()[0].of[0].most95.S;  // of spheres
   EXPECT_EQ(solve_many(scenes, {.accuracy = kept}).rung, "pad-8");
   EXPECT_EQ(solve_many(scenes, {.accuracy = 0.99 * kept}).rung, "pad-12");
   scenes[1].friction = 2;  // beyond the scenes that were measured: three times the error

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "fem/scene.h"
-#include "host/contact/solve.h"
+#include "host/answers/solve.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"

@@ -28,7 +28,7 @@ typename GapSweep<Real>::Batch run_alone(Executor& executor, const fem::Scene& s
 template <class Batch>
 bool all_solved(const Batch& batch) {
   for (int k = 0; k < batch.steps(); ++k)
-    if (static_cast<int>(batch.result(0, k, LANE_STATUS)) >= LANE_UNSOLVED) return false;
+    if (static_cast<int>(batch.result(0, k, RESULT_STATUS)) >= LANE_UNSOLVED) return false;
   return true;
 }
 
@@ -36,7 +36,7 @@ template <class Batch>
 ForcePath force_path(const Batch& batch) {
   ForcePath path;
   for (int k = 0; k < batch.steps(); ++k) {
-    path.P.push_back(batch.result(0, k, LANE_P));
+    path.P.push_back(batch.result(0, k, RESULT_P));
     path.Q.push_back(batch.result(0, k, LANE_Q));
   }
   return path;
@@ -68,9 +68,9 @@ ExtremeFinding holding(Executor& executor, double drag, int count) {
   const auto batch = run_alone<Real>(executor, scene);
   const double creep = loop_drift(force_path(batch), 2);
   int iterated = 0;
-  for (int k = 2; k < batch.steps(); ++k) iterated += batch.result(0, k, LANE_SWEEPS) > 0;
+  for (int k = 2; k < batch.steps(); ++k) iterated += batch.result(0, k, RESULT_SWEEPS) > 0;
   return {fmt::format("held at S = {:.3f}, {:g} mm to and fro {} times, {}: does it creep?",
-                      batch.result(0, 1, LANE_SLIP_INDEX), jiggle, count, fp32 ? "fp32" : "fp64"),
+                      batch.result(0, 1, RESULT_S), jiggle, count, fp32 ? "fp32" : "fp64"),
           fmt::format("P and Q by {:.1e} of P; {} increments iterated", creep, iterated),
           creep <= (fp32 ? 1e-4 : 1e-10) && 10 * iterated > 9 * count && all_solved(batch)};
 }

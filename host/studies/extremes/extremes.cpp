@@ -14,8 +14,8 @@
 #include "fem/pad/pad_search.h"
 #include "fem/solution_difference.h"
 #include "host/contact/contact_fallback.h"
+#include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
-#include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 
 namespace tactel::host {
@@ -96,7 +96,7 @@ ContactSolution by_cells(const fem::PadSolution& pad) {
   for (const fem::PadStep& from : pad.steps) {
     ContactStep step;
     step.indentation = from.indentation, step.slip_index = from.slip_index, step.converged = from.converged;
-    step.iterations = from.sweeps, step.residual.penetration = from.residual.largest();
+    step.iterations = from.iterations, step.residual.penetration = from.residual.largest();
     step.base_force_x = from.tangential_force.reshaped(), step.base_force_y = from.normal_force;
     line.steps.push_back(std::move(step));
   }

@@ -28,8 +28,8 @@ std::vector<fem::PadScene> random_scenes(fem::PadMix mix, std::size_t count) {
   return scenes;
 }
 
-AnswerError answer_error(const fem::PadReferenceSolution::Errors& e) {
-  return {.S = e.slip_index, .P = e.P, .Q = std::max(e.Q, e.M), .sigma = e.sigma, .tau = e.tau};
+AnswerError answer_error(const AnswerError& e) {
+  return {.S = e.S, .P = e.P, .Q = std::max(e.Q, e.M), .sigma = e.sigma, .tau = e.tau};
 }
 
 /// `errors` and answers: [scenes].
@@ -41,7 +41,7 @@ MeasuredModel judged_model(const PadRung& rung, const std::vector<fem::PadSoluti
     for (const fem::PadStep& step : answer.steps) {
       steps += 1;
       model.unsolved += !step.converged;
-      model.sweeps += step.sweeps;
+      model.sweeps += step.iterations;
     }
   model.unsolved /= steps;
   model.sweeps /= steps;

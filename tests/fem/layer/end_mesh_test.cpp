@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The mesh graded towards a contact near an end; the contacts on it stand in tests/host/contact/over_end_test.cpp.
+// The mesh graded towards a contact near an end; the contacts on it stand in tests/host/answers/over_end_test.cpp.
 #include "fem/layer/end_mesh.h"
 
 #include <gtest/gtest.h>

@@ -23,11 +23,11 @@ TEST(PadReference, StatesItsOwnError) {
     const PadReferenceSolution answer = PadReference(layer, coarse).solve(scene);
     const auto off = pad_difference(answer.solution, PadReference(layer, fine).solve(scene).solution);
     // An estimate, not a bound: the number of cells that touch jumps by steps.
-    EXPECT_LE(off.slip_index, 3 * answer.error.slip_index + 1e-3) << k;
+    EXPECT_LE(off.S, 3 * answer.error.S + 1e-3) << k;
     EXPECT_LE(off.P, 3 * answer.error.P + 1e-3) << k;
     EXPECT_LE(off.sigma, 3 * answer.error.sigma + 2e-3) << k;
     EXPECT_LE(off.tau, 3 * answer.error.tau + 2e-3) << k;
-    EXPECT_LE(answer.error.slip_index, 0.01) << k;
+    EXPECT_LE(answer.error.S, 0.01) << k;
   }
 }
 
@@ -38,7 +38,7 @@ TEST(PadReference, JudgesTheSolver) {
   for (int k = 0; k < 9; ++k) {
     const PadScene scene = mix();
     const auto off = pad_difference(PadSolver(layer).solve(scene), PadReference(layer, coarse).solve(scene).solution);
-    EXPECT_LE(off.slip_index, 0.04) << k;  // 0.02 of 12 cells, and as much of this judge
+    EXPECT_LE(off.S, 0.04) << k;  // 0.02 of 12 cells, and as much of this judge
     EXPECT_LE(off.P, 0.03) << k;
   }
 }

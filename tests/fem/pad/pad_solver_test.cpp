@@ -166,7 +166,7 @@ TEST(PadSolver, ASearchForADepthEndsWithTheFirstTrialThatDoesNotSettle) {
   const PadSolution solution = PadSolver(layer, options).solve(scene);
   int sweeps = 0;
   for (const PadStep& step : solution.steps) {
-    sweeps += step.sweeps;
+    sweeps += step.iterations;
     EXPECT_FALSE(step.converged);
   }
   EXPECT_EQ(sweeps, static_cast<int>(pad_increments(scene, options, solution.cells).size()));  // one each
@@ -174,7 +174,7 @@ TEST(PadSolver, ASearchForADepthEndsWithTheFirstTrialThatDoesNotSettle) {
   part.whole_path = false;
   const PadSolution first = PadSolver(layer, part).solve(scene);
   ASSERT_EQ(first.steps.size(), solution.steps.size());
-  for (std::size_t k = 0; k < first.steps.size(); ++k) EXPECT_EQ(first.steps[k].sweeps, k == 0 ? 1 : 0) << k;
+  for (std::size_t k = 0; k < first.steps.size(); ++k) EXPECT_EQ(first.steps[k].iterations, k == 0 ? 1 : 0) << k;
 }
 
 /// A pillar on a plain, whose force grows with a high power of the depth where the plain begins to bear.
@@ -200,7 +200,7 @@ TEST(PadSolver, WhatHoldsAtOnceKeepsItsBits) {
                     at_once = PadSolver(layer, {.cells = 8, .tolerance = 1e-7, .accept = 1}).solve(scene);
   for (std::size_t k = 0; k < solution.steps.size(); ++k) {
     const PadStep &a = solution.steps[k], &b = at_once.steps[k];
-    EXPECT_EQ(a.sweeps, b.sweeps) << k;
+    EXPECT_EQ(a.iterations, b.iterations) << k;
     EXPECT_EQ(a.normal_force, b.normal_force) << k;
     EXPECT_EQ(a.tangential_force, b.tangential_force) << k;
   }

@@ -197,7 +197,7 @@ TEST(ContactStream, LanesAndSolutionsHaveTheSameNumbers) {
             const fem::ContactStep& step = expected[i].steps[k];
             std::vector<double> stress(2 * static_cast<std::size_t>(step.sigma_y.size()));
             answer.tactels(static_cast<int>(k), std::span(stress));
-            ASSERT_EQ(answer.result(static_cast<int>(k), LANE_P), step.P) << i;
+            ASSERT_EQ(answer.result(static_cast<int>(k), RESULT_P), step.P) << i;
             ASSERT_EQ(stress.front(), step.sigma_y[0]) << i;
             ASSERT_EQ(stress.back(), step.tau_xy[step.tau_xy.size() - 1]) << i;
           }

@@ -142,9 +142,9 @@ TEST_P(RandomPads, NoneIsUnsettled) {
       [&](std::size_t i, const LaneAnswer& answer) {
         ++in_place;
         for (int k = 0; k < answer.steps; ++k, ++steps) {
-          for (int row = PAD_RESULT_PENETRATION; row <= PAD_RESULT_ANGLE; ++row)
+          for (int row = RESULT_PENETRATION; row <= PAD_RESULT_ANGLE; ++row)
             worst = std::max(worst, answer.result(k, row));
-          const double S = answer.result(k, PAD_RESULT_S);
+          const double S = answer.result(k, RESULT_S);
           EXPECT_TRUE(S >= 0 && S <= 1.001) << i << " " << k << ": " << S;
           sliding += S > 0.99;
         }

@@ -206,7 +206,7 @@ TEST(PadContact, ReachesGivenForcesAsItsTwin) {
   const PadContact<float> contact(executor(), {.cells = 8});
   const auto by_depth = ran(contact, scenes);
   for (std::size_t i = 0; i < scenes.size(); i += 2) {  // beside others by depth
-    scenes[i].load.normal_force = {by_depth.result(i, 0, PAD_RESULT_P), 0.6 * by_depth.result(i, 0, PAD_RESULT_P)};
+    scenes[i].load.normal_force = {by_depth.result(i, 0, RESULT_P), 0.6 * by_depth.result(i, 0, RESULT_P)};
     scenes[i].load.indentation.clear();
   }
   const auto batch = ran(contact, scenes);
@@ -215,7 +215,7 @@ TEST(PadContact, ReachesGivenForcesAsItsTwin) {
   const fem::PadSolver twin(*contact.layer(sensor.poisson), options);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (i % 2 == 1) {
-      EXPECT_EQ(batch.result(i, 3, PAD_RESULT_P), by_depth.result(i, 3, PAD_RESULT_P)) << i;
+      EXPECT_EQ(batch.result(i, 3, RESULT_P), by_depth.result(i, 3, RESULT_P)) << i;
       continue;
     }
     const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
@@ -275,8 +275,8 @@ TEST(PadContact, AnInvalidSceneDoesNotHarmItsNeighbours) {
   const std::vector<fem::PadCells> cells(3, good.cells(0));
   scenes[1].load.drags[0][1] = nan;
   const auto batch = ran(contact, scenes, cells);
-  EXPECT_EQ(batch.result(1, 0, PAD_RESULT_STATUS), LANE_INVALID);
-  EXPECT_EQ(batch.result(1, 2, PAD_RESULT_P), 0);
+  EXPECT_EQ(batch.result(1, 0, RESULT_STATUS), LANE_INVALID);
+  EXPECT_EQ(batch.result(1, 2, RESULT_P), 0);
   for (const std::size_t i : {0u, 2u}) EXPECT_EQ(numbers<float>(batch, i, 3), numbers<float>(good, i, 3));
 }
 

@@ -55,7 +55,7 @@ struct Taken {
           const std::array<int, 2> tactels = scenes[i].sensor.tactels;
           std::vector<double> stress(static_cast<std::size_t>(3 * tactels[0] * tactels[1]));
           for (int k = 0; k < answer.steps; ++k) {
-            for (const int row : {PAD_RESULT_P, PAD_RESULT_QX, PAD_RESULT_QY, PAD_RESULT_M, PAD_RESULT_DEPTH})
+            for (const int row : {int{RESULT_P}, int{PAD_RESULT_QX}, PAD_RESULT_QY, PAD_RESULT_M, RESULT_DEPTH})
               numbers[i].push_back(answer.result(k, row));
             answer.tactels(k, std::span(stress));
             numbers[i].insert(numbers[i].end(), stress.begin(), stress.end());
@@ -172,7 +172,7 @@ TEST(PadStream, WideContactsAreSolvedInLanes) {
                                       << scenes[i].sensor.poisson << (precision == Precision::fp32 ? " fp32" : ""));
       EXPECT_FALSE(solutions[i].fell_back);
       for (const fem::PadStep& step : solutions[i].steps)
-        EXPECT_TRUE(step.converged) << step.residual.largest() << " after " << step.sweeps << " sweeps";
+        EXPECT_TRUE(step.converged) << step.residual.largest() << " after " << step.iterations << " sweeps";
     }
   }
 }

@@ -265,7 +265,7 @@ TYPED_TEST(PatchBits, AreTheSameWithoutForces) {
       for (int k = 0; k < expected.path_steps(i); ++k) {
         for (int row = 0; row < LANE_RESULT_ROWS; ++row)
           ASSERT_EQ(found.answer(i).result(k, row), expected.answer(i).result(k, row)) << describe(scenes[i]);
-        if (static_cast<int>(expected.answer(i).result(k, LANE_STATUS)) == LANE_NOT_RUN) continue;
+        if (static_cast<int>(expected.answer(i).result(k, RESULT_STATUS)) == LANE_NOT_RUN) continue;
         expected.answer(i).tactels(k, std::span(a)), found.answer(i).tactels(k, std::span(b));
         ASSERT_EQ(a, b) << describe(scenes[i]);
       }
@@ -294,7 +294,7 @@ TYPED_TEST(PatchBits, AreTheSameBesideBrokenScenes) {
     std::size_t invalid = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       ASSERT_EQ(hash(batch.solution(2 * i + 1)), expected[i]) << describe(scenes[i]);
-      invalid += batch.result(2 * i, 0, LANE_STATUS) == double(LANE_INVALID);
+      invalid += batch.result(2 * i, 0, RESULT_STATUS) == double(LANE_INVALID);
       for (const fem::ContactStep& step : batch.solution(2 * i).steps)
         ASSERT_TRUE(!step.converged || (std::isfinite(step.P) && std::isfinite(step.Q) && step.sigma_y.allFinite()));
     }
@@ -312,8 +312,8 @@ TEST(PatchContact, TooSmallPatchIsFlaggedAndGrows) {
   const std::vector<PatchContact<double>::Given> given{PatchContactExtent{-0.9, 0.3}};
   auto batch = contact.prepare(std::span(&scene, 1), given);
   batch.run();
-  EXPECT_EQ(batch.result(0, 1, LANE_STATUS), double(LANE_UNSOLVED));
-  EXPECT_GT(batch.result(0, 1, LANE_PENETRATION), 0.02);
+  EXPECT_EQ(batch.result(0, 1, RESULT_STATUS), double(LANE_UNSOLVED));
+  EXPECT_GT(batch.result(0, 1, RESULT_PENETRATION), 0.02);
   EXPECT_EQ(batch.patch(0, PATCH_ORIGIN), -0.9);
   EXPECT_EQ(batch.patch(0, PATCH_OUT_RIGHT), 3);
   const PatchContact<double>::Batch::View view(batch);

@@ -12,10 +12,10 @@
 
 #include "fem/layer/patch_solver.h"
 #include "fem/value_error.h"
+#include "host/answers/rung_for_many.h"
 #include "host/contact/contact_fallback.h"
 #include "host/contact/contact_model.h"
 #include "host/contact/patch_contact.h"
-#include "host/contact/rung_for_many.h"
 #include "host/contact/sensor_tables.h"
 #include "tests/fem/expect_error.h"
 #include "tests/host/contact/contact_cases.h"

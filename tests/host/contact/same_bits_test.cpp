@@ -156,7 +156,7 @@ TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
     for (std::size_t i = 0; i < count; ++i) {
       ASSERT_EQ(hash(batch.solution(2 * i + 1)), expected[i]) << "scene " << i;
       const fem::ContactSolution stranger = batch.solution(2 * i);
-      invalid += batch.result(2 * i, 0, LANE_STATUS) == double(LANE_INVALID);
+      invalid += batch.result(2 * i, 0, RESULT_STATUS) == double(LANE_INVALID);
       // Never NaN in disguise: what counts as solved is a number.
       for (const fem::ContactStep& step : stranger.steps)
         ASSERT_TRUE(!step.converged || (std::isfinite(step.P) && std::isfinite(step.Q) && step.sigma_y.allFinite()))

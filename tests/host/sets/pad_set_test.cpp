@@ -9,7 +9,7 @@
 #include <numbers>
 #include <set>
 
-#include "host/contact/pad_solve.h"
+#include "host/answers/solve.h"
 #include "host/sets/check_set.h"
 #include "host/sets/set_simulator.h"
 #include "tests/host/device/test_device.h"

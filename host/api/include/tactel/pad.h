@@ -164,6 +164,7 @@ struct PadPaths {
   std::vector<double> indentation, twist;       ///< [scenes, steps] mm, degrees
   std::vector<double> tangential;               ///< [scenes, steps, 2] mm along x, y
   std::vector<double> stick_fraction;           ///< [scenes, steps]
+  std::vector<double> slip_distance;            ///< [scenes, steps] mm
   std::vector<double> sigma_z, tau_x, tau_y;    ///< [scenes, steps, tactels along y, tactels along x] MPa
   std::vector<std::uint8_t> converged;          ///< [scenes, steps] 1: within its tolerance
   std::vector<std::uint8_t> fell_back;          ///< [scenes] 1: the exact fallback answered

@@ -114,6 +114,7 @@ struct Paths {
   std::vector<std::uint32_t> steps_made;         ///< [scenes]
   std::vector<double> slip_index, P, Q;          ///< [scenes, steps] S, N/mm, N/mm
   std::vector<double> indentation, tangential;   ///< [scenes, steps] mm
+  std::vector<double> slip_distance;             ///< [scenes, steps] mm
   std::vector<double> sigma_y, tau_xy;           ///< [scenes, steps, tactels] MPa
   std::vector<std::uint8_t> converged;           ///< [scenes, steps] 1: within its tolerance
   std::vector<std::uint8_t> sliding, fell_back;  ///< [scenes] 1: the last step slides; the exact fallback answered

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/answers/answer_json.h"
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "host/answers/convergence.h"
+#include "host/answers/derivatives.h"
+#include "host/answers/step_quantities.h"
+#include "host/answers/warnings.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A value of a quantity: numbers, null, words, lists of them, or residuals.
+template <class Value>
+Json json_of(const Value& value) {
+  if constexpr (requires { residuals(value); }) {
+    Json all;
+    each(residuals(value), [&](const auto& law) { all[law.key] = law.value; });
+    return all;
+  } else if constexpr (requires { value.rowwise(); }) {  // of Eigen
+    Json all = Json::array();
+    for (Eigen::Index i = 0; i < value.rows(); ++i)
+      if constexpr (Value::ColsAtCompileTime == 2)
+        all.push_back({value(i, 0), value(i, 1)});
+      else
+        all.push_back(value(i));
+    return all;
+  } else if constexpr (requires { value.has_value(); }) {
+    return value ? Json(*value) : Json();
+  } else {
+    return value;
+  }
+}
+Json json_of(const fem::Degrees& angle) { return fem::clean_degrees(angle.radians); }
+Json json_of(const std::vector<fem::GapStatus>& statuses) {
+  Json words = Json::array();
+  for (const fem::GapStatus status : statuses)
+    words.push_back(status == fem::GapStatus::open ? "open" : status == fem::GapStatus::stick ? "stick" : "slip");
+  return words;
+}
+
+/// Forces of the base are of a mesh alone, shear stresses of tactels with three axes.
+template <class Step>
+Json steps_json(const std::vector<Step>& steps, bool base, bool shear) {
+  Json all = Json::array();
+  for (const Step& step : steps)
+    each(quantities<false>(step), [&, &json = all.emplace_back()](const auto& quantity) {
+      const std::string_view key = quantity.key;
+      if (OfPad<Step> && !shear && key.starts_with("tau")) return;
+      json[quantity.key] = !base && key.starts_with("base") ? Json::array() : json_of(quantity.value);
+    });
+  return all;
+}
+
+Json error_json(const ExpectedError& error, bool of_pad) {
+  const AnswerError& e = error.expected;
+  Json out = {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}};
+  if (of_pad) out["M"] = e.M;
+  out[of_pad ? "sigma_z" : "sigma_y"] = e.sigma, out[of_pad ? "tau" : "tau_xy"] = e.tau;
+  if (of_pad) out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
+  if (!error.from.empty()) out["from"] = error.from;
+  return out;
+}
+
+Json derivatives_json(const ContactDerivatives& derivatives) {
+  Json parameters = Json::array(), missing = Json::array(), steps = Json::array();
+  for (const fem::SceneParameter& p : derivatives.parameters)
+    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
+  for (const fem::NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
+  for (std::size_t k = 0; k < derivatives.distance_to_switch.size(); ++k) {
+    Json& step = steps.emplace_back();
+    step["distance_to_switch"] = derivatives.distance_to_switch[k];
+    const auto add = [&](const char* key, const auto& number) {  // [parameters]
+      Json all = Json::array();
+      for (const std::vector<fem::PathAnswer>& by : derivatives.by) all.push_back(json_of(number(by[k])));
+      step[key] = std::move(all);
+    };
+    add("P", [](const fem::PathAnswer& a) { return a.P; });
+    add("Q", [](const fem::PathAnswer& a) { return a.Q; });
+    add("slip_index", [](const fem::PathAnswer& a) { return a.S; });
+    add("indentation", [](const fem::PathAnswer& a) { return a.depth; });
+    add("tangential", [](const fem::PathAnswer& a) { return a.x; });
+    add("sigma_y", [](const fem::PathAnswer& a) { return Eigen::VectorXd(a.frame.head(a.frame.size() / 2)); });
+    add("tau_xy", [](const fem::PathAnswer& a) { return Eigen::VectorXd(a.frame.tail(a.frame.size() / 2)); });
+  }
+  return {{"parameters", std::move(parameters)},
+          {"missing", std::move(missing)},
+          {"answer_difference", derivatives.answer_difference},
+          {"steps", std::move(steps)}};
+}
+
+/// What answers of both kinds begin with.
+Json head(const auto& outcome) {
+  return {{"tactel", TACTEL_VERSION},       {"scene", to_json(outcome.scene)}, {"solver", outcome.solver},
+          {"precision", outcome.precision}, {"device", outcome.device},        {"model", model_name(outcome)}};
+}
+
+}  // namespace
+
+Json to_json(const SolveOutcome& outcome) {
+  const fem::ContactSolution& solution = outcome.solution;
+  Json out = head(outcome);
+  out.update({{"model_reason", outcome.model_reason},
+              {"surface_x", json_of(solution.surface_x)},
+              {"surface_width", json_of(solution.surface_width)},
+              {"base_x", outcome.on_patch() ? Json::array() : json_of(solution.base_x)},
+              {"tactel_x", json_of(solution.tactel_x)},
+              {"fallback", solution.fell_back},
+              {"warnings", warnings(outcome)},
+              {"steps", steps_json(solution.steps, !outcome.on_patch(), true)}});
+  if (!outcome.rung.empty()) out["rung"] = outcome.rung;
+  if (outcome.plan) out["planner"] = to_json(*outcome.plan);
+  if (outcome.derivatives) out["derivatives"] = derivatives_json(*outcome.derivatives);
+  if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
+  if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, false);
+  return out;
+}
+
+Json to_json(const PadOutcome& outcome) {
+  const fem::PadSolution& solution = outcome.solution;
+  const Eigen::MatrixX2d tactels = fem::tactel_places(outcome.scene.sensor);
+  Json out = head(outcome);
+  out.update({{"rung", outcome.rung.name},
+              {"tactel_x", json_of(tactels.col(0))},
+              {"tactel_y", json_of(tactels.col(1))},
+              {"cell_x", json_of(solution.places.col(0))},
+              {"cell_y", json_of(solution.places.col(1))},
+              {"cell_width", {solution.cells.hx, solution.cells.hy}},
+              {"fallback", solution.fell_back},
+              {"warnings", warnings(outcome)},
+              {"steps", steps_json(solution.steps, true, outcome.scene.sensor.axes == 3)}});
+  if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, true);
+  if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
+  if (outcome.accuracy) out["accuracy"] = {{"asked", *outcome.accuracy}, {"kept", outcome.kept()}};
+  return out;
+}
+
+}  // namespace tactel::host

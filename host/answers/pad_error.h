@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/answers/rung_error.h"
+#include "host/contact/pad_rung.h"
+
+namespace tactel::host {
+
+/// Classes of scenes on pads whose errors differ.
+enum class PadClass { smooth, sharp_edge, rounded_edge, tilted, height_map };
+inline constexpr int pad_classes = 5;
+const char* name(PadClass pad_class);  ///< "smooth", "sharp edge", "rounded edge", "tilted", "height map"
+PadClass pad_class(const fem::PadScene& scene);
+
+/// Errors of a rung on scenes of a class: what 95 % of them stay below, and the largest of S.
+struct PadErrors {
+  AnswerError most95;
+  double largest;
+};
+/// By class, [pad_classes]; host/answers/measured_pads.cpp holds them.
+struct MeasuredPadRung {
+  const char* name;
+  std::array<PadErrors, pad_classes> of;
+};
+std::span<const MeasuredPadRung> measured_pads();
+
+/// Scenes on which errors were measured, by Poisson's ratio, depth over the thickness and friction above 0: the table,
+/// and what a second solution of a scene states (PadJudge).
+struct MeasuredPadScenes {
+  fem::Interval poisson, depth, friction;
+};
+inline constexpr MeasuredPadScenes measured_classes{{0.3, 0.5}, {0.02, 0.2}, {0.1, 1.5}},
+    measured_judge{{0, 0.5}, {0.01, 0.2}, {0.05, 1.5}};
+/// Returns what of a scene that was pressed to this depth, mm, lies outside.
+std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::PadScene& scene, double depth);
+
+/// Returns what errors rest on: "beside 24 x 24 cells", "95 % of scenes, smooth".
+std::string judged_by(const ExpectedError& error);
+
+double deepest(const fem::PadSolution& solution);  ///< mm, of all steps
+
+/// Returns the errors of a rung below the reference on the class of a scene.
+const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene);
+/// Returns an element of pad_rungs(): the cheapest whose errors of the class keep an accuracy of S, else the finest
+/// below the reference.
+const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy);
+/// Returns the errors to expect by them on a scene that was pressed to this depth, mm: for a scene outside the measured
+/// ones three times those, as on lines (host/answers/planner.h).
+ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
+
+/// Solves a scene a second time to state the errors of its answers: by the twin, on 24 or more cells with twice as many
+/// increments of pressing and drags.
+class PadJudge {
+ public:
+  explicit PadJudge(const fem::PadScene& scene) : scene_(scene) {}
+
+  /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
+  /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds,
+  /// and where the second solution misses its tolerance.
+  std::optional<ExpectedError> error(const PadRung& rung, const fem::PadSolution& answer);
+
+ private:
+  const fem::PadSolution& finer(int cells);
+
+  fem::PadScene scene_;
+  std::map<int, fem::PadSolution> finer_;  ///< by their cells
+};
+
+}  // namespace tactel::host

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_reference.h"
+#include "host/answers/solve.h"
+#include "host/contact/limits.h"
+#include "host/contact/pad_stream.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double twin_tolerance = 1e-7;  ///< of sweeps, as the kernel in fp64
+
+void check_pad_options(const SolveOptions& options) {
+  if (options.solver != "batched" && options.solver != "twin")
+    throw ConfigError("command line", "--solver", options.solver,
+                      "batched or twin for a pad; its reference is --rung reference");
+  const bool exact = !options.rung.empty() && pad_rung_named(options.rung).exact;
+  if (!exact && options.solver == "batched") return check_modelling(options);
+  const std::string host = exact ? "--rung reference" : "--solver twin";
+  if (exact && options.solver == "twin")
+    throw ConfigError("command line", "--solver", "twin", "left out with --rung reference");
+  if (options.precision == "fp32") throw ConfigError("command line", "--precision", "fp32", "fp64 with " + host);
+  if (!options.device.empty())
+    throw ConfigError("command line", "--device", options.device, "left out with " + host + ", which uses no device");
+  check_modelling(options);
+}
+
+void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
+  Executor executor{Device(options.device).for_one_contact()};
+  const DeviceInfo& device = executor.device().info();
+  outcome.solver = "batched";
+  outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
+  outcome.device = device.name;
+  PadModel model = model_of(outcome.rung);
+  if (outcome.precision == "fp64") model.precision = Precision::fp64;
+  if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
+  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
+}
+
+void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
+  outcome.precision = "fp64", outcome.device = "host";
+  const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
+  if (outcome.rung.exact) {
+    outcome.solver = "reference";
+    fem::PadReferenceSolution answer = fem::PadReference(layer).solve(outcome.scene);
+    outcome.error = {
+        .expected = answer.error, .from = "half as many cells", .largest = answer.error.S, .scenes = "this scene"};
+    outcome.solution = std::move(answer.solution);
+    return;
+  }
+  outcome.solver = "twin";
+  fem::PadOptions twin;
+  twin.cells = outcome.rung.cells, twin.pressing_increments = outcome.rung.increments;
+  twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
+  if (options.tolerance) twin.accept = *options.tolerance;
+  outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);
+}
+
+bool touches(const fem::PadSolution& solution) {
+  return std::ranges::any_of(solution.steps, [](const fem::PadStep& step) { return step.P > 0; });
+}
+
+}  // namespace
+
+PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
+  check_pad_options(options);
+  scene.validate();
+  PadOutcome outcome;
+  outcome.scene = scene;
+  outcome.rung = !options.rung.empty() ? pad_rung_named(options.rung)
+                 : options.accuracy    ? pad_rungs().front()
+                                       : usual_pad_rung();
+  outcome.accuracy = options.accuracy;
+  PadJudge judge(scene);
+  const auto on_rung = [&] {
+    refuse_endless(scene, outcome.rung.cells);
+    if (outcome.rung.exact || options.solver == "twin")
+      solve_on_host(outcome, options);
+    else
+      solve_on_device(outcome, options);
+    if (outcome.rung.exact || !touches(outcome.solution)) return;
+    outcome.error = judge.error(outcome.rung, outcome.solution);
+    if (!outcome.error) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
+  };
+  on_rung();
+  refuse_at_edge(scene, distance_to_edge(scene, outcome.solution));
+  if (options.accuracy && touches(outcome.solution)) {  // the depth of a force is known now
+    const PadRung* rung = &first_pad_rung(scene, *options.accuracy);
+    if (rung->name != outcome.rung.name) outcome.rung = *rung, on_rung();
+    while (!outcome.kept() && !outcome.rung.exact) outcome.rung = *++rung, on_rung();
+  }
+  if (!touches(outcome.solution)) outcome.error.reset();
+  return outcome;
+}
+
+std::string model_name(const PadOutcome& outcome) {
+  const fem::PadCells& cells = outcome.solution.cells;
+  return fmt::format("{0} x {0} cells of {1:.3g} x {2:.3g} mm", cells.n, cells.hx, cells.hy);
+}
+
+}  // namespace tactel::host

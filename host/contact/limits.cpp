@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fem/number_text.h"
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_search.h"
+#include "fem/stress_field.h"
+#include "fem/value_error.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double share_of_contact = 0.1;  ///< of its width, over which the indenter may slide
+constexpr double most_stress_work = 1e9;  ///< fem::base_stress_work
+constexpr double at_edge = 1;             ///< thicknesses from an edge, below which contacts are refused
+
+/// Error in S of lines without free sides, at a distance of the contact from the edge over the thickness: by the free
+/// sides of lines, nu 0.3 to 0.499 and contacts 1.2 H wide, 0.06 to 0.12 at 0.7 and 0.005 to 0.018 at 2.1; between them
+/// it falls exponentially.
+double missing_at_edge(double distance, double at_near, double at_far) {
+  constexpr double near = 0.7, far = 2.1;
+  return at_near * std::pow(at_far / at_near, (distance - near) / (far - near));
+}
+
+}  // namespace
+
+bool too_deep(double thickness, double indentation) {
+  constexpr double rounding = 1e-6;  // of a depth in fp32
+  return indentation > fem::linear_strain_limit * (1 + rounding) * thickness;
+}
+
+double slip_limit(double contact_width) { return share_of_contact * contact_width; }
+
+double slip_limit(const fem::Sensor& sensor, double contact_width) {
+  return std::max(sensor.length / (sensor.columns - 1), slip_limit(contact_width));
+}
+
+void refuse_endless(const fem::PadScene& scene, int cells) {
+  const double H = scene.sensor.thickness;
+  fem::PadScene seen = scene;
+  seen.indenter = fem::aligned(scene.indenter);
+  const fem::PadSearch found = fem::find_pad_contact(seen, fem::pad_layer(scene.sensor.poisson));
+  const fem::PadCells laid = fem::lay_cells(found, seen, cells, true).cells;
+  const auto [least, most] = fem::solvable_sides(H, found.depth);
+  if (!fem::solvable(laid, H, found.depth))
+    throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
+                     fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
+                                 cells * least, cells * most, cells * laid.hx, cells * laid.hy));
+  if (scene.sensor.tactel_size > 0 && fem::base_stress_work(scene, laid) > most_stress_work)
+    throw ValueError("sensor.tactel_size", fem::number_text(scene.sensor.tactel_size),
+                     fmt::format("a side of fewer thicknesses ({:.3g} mm): the stress under {} x {} tactels of {:.3g} "
+                                 "thicknesses takes minutes",
+                                 H, scene.sensor.tactels[0], scene.sensor.tactels[1], scene.sensor.tactel_size / H));
+}
+
+std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
+                                       const fem::PadBox& reach) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to) {
+    if (side) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
+  };
+  along(sensor.length, position[0], reach.x), along(sensor.width, position[1], reach.y);
+  return reach.x.left < reach.x.right && std::isfinite(least) ? std::optional(least) : std::nullopt;
+}
+
+std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  fem::PadBox reach{fem::nowhere, fem::nowhere};
+  for (const fem::PadStep& step : solution.steps) reach.cover(step.reach);
+  return distance_to_edge(scene.sensor, scene.indenter.position, reach);
+}
+
+bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& distance) {
+  return distance && *distance < at_edge * sensor.thickness;
+}
+
+void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance) {
+  if (!too_near_edge(scene.sensor, distance)) return;
+  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
+                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
+                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides, which "
+                               "puts S of lines off by {} at one thickness",
+                               scene.sensor.thickness, *distance, error_at_edge(at_edge)));
+}
+
+int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& position, const fem::PadBox& reach,
+                  double cell) {
+  if (!(reach.x.left < reach.x.right)) return 0;
+  int outside = cell > sensor.thickness ? outside_cells : 0;
+  if (too_near_edge(sensor, distance_to_edge(sensor, position, reach))) outside += outside_edges;
+  if (!wide_pitch(sensor)) return outside;
+  double nearest = std::numeric_limits<double>::infinity();
+  const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);
+  for (Eigen::Index i = 0; i < tactels.rows(); ++i) {
+    const double x = tactels(i, 0) - position[0], y = tactels(i, 1) - position[1];
+    nearest = std::min(nearest, std::hypot(x - std::clamp(x, reach.x.left, reach.x.right),
+                                           y - std::clamp(y, reach.y.left, reach.y.right)));
+  }
+  return outside + (far_from_tactels(sensor, nearest) ? outside_tactels : 0);
+}
+
+std::string error_at_edge(double distance) {
+  return fmt::format("{:.2g} to {:.2g}", missing_at_edge(distance, 0.06, 0.005),
+                     missing_at_edge(distance, 0.12, 0.018));
+}
+
+bool wide_pitch(const fem::PadSensor& sensor) {
+  return std::max(sensor.pitch[0], sensor.pitch[1]) > 2 * sensor.thickness;
+}
+
+bool far_from_tactels(const fem::PadSensor& sensor, double distance) {
+  return std::isfinite(distance) && distance - sensor.tactel_size / 2 > sensor.thickness;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The errors that answers of pads state, beside those that they make.
+#include "host/answers/pad_error.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "fem/angles.h"
+#include "host/answers/answer_json.h"
+#include "host/answers/answer_table.h"
+#include "host/answers/solve.h"
+#include "host/answers/warnings.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+PadOutcome by_twin(const fem::PadScene& scene, const std::string& rung) {
+  SolveOptions options;
+  options.solver = "twin", options.rung = rung;
+  return solve(scene, options);
+}
+
+fem::PadScene scene_of(double H, double nu, double mu, const fem::PadIndenter& indenter, double depth,
+                       std::vector<std::array<double, 3>> drags) {
+  fem::PadScene scene;
+  scene.sensor.thickness = H, scene.sensor.poisson = nu, scene.sensor.young = 1;
+  scene.indenter = indenter;
+  scene.friction = mu;
+  scene.load = {.indentation = {depth}, .drags = std::move(drags)};
+  for (auto& drag : scene.load.drags) drag[2] = fem::radians(drag[2]);
+  return scene;
+}
+
+fem::PadIndenter turned(const fem::PadShape& shape, double yaw, double tilt = 0, double tilt_direction = 0) {
+  return {.shape = shape, .yaw = yaw, .tilt = tilt, .tilt_direction = tilt_direction};
+}
+
+/// Ridges of 0.8 mm on a blunt body, every 0.05 mm.
+fem::HeightMap ridges() {
+  fem::HeightMap map{.pitch = 0.05, .heights = {}};
+  map.heights = Eigen::MatrixXd::NullaryExpr(85, 85, [](Eigen::Index i, Eigen::Index j) {
+    const double x = 0.05 * static_cast<double>(i - 42), y = 0.05 * static_cast<double>(j - 42);
+    return y * y / 12 + x * x / 40 + 0.25 * (1 - std::cos(2 * std::numbers::pi * x / 0.8));
+  });
+  return map;
+}
+
+/// A scene that another program solved, with coefficients of its own, 40 x 40 to 84 x 84 cells and increments
+/// extrapolated: S and P (for E = 1) of the steps, by how much they may be off, and how far pad-12 was without being
+/// so stated.
+struct JudgedScene {
+  const char* name;
+  fem::PadScene scene;
+  std::vector<double> S, P;
+  double S_off, P_off;
+};
+
+std::vector<JudgedScene> judged_scenes() {
+  return {
+      {"a paraboloid twists on incompressible rubber",
+       scene_of(
+           3.175, 0.5, 0.1137, turned(fem::Paraboloid{{73.98, 71.1558}}, 132.04), 0.2407,
+           {{0, 0, 0.477415}, {0, 0, 0.859348}, {0, 0, 1.24128}, {0, 0, 1.623213}, {0, 0, 2.005145}, {0, 0, 2.387077}}),
+       {0, 0.466, 0.6618, 0.7816, 0.8572, 0.9059, 0.9375},
+       {60.844 / 3.854, 59.706 / 3.854, 58.765 / 3.854, 58.035 / 3.854, 57.487 / 3.854, 57.08 / 3.854, 56.779 / 3.854},
+       0.0022,
+       0.002},
+      {"a rounded punch goes back",
+       scene_of(1.982, 0.48, 0.1316, turned(fem::Punch{4.3573, 8.6809}, -162.04), 0.1065,
+                {{-0.0379418, -0.0150475, 0},
+                 {-0.0758837, -0.030095, 0},
+                 {-0.0455302, -0.018057, 0},
+                 {-0.0075884, -0.0030095, 0},
+                 {0.0303535, 0.012038, 0},
+                 {0, 0, 0}}),
+       {0, 0.3592, 0.6531, 0.2754, 0.1614, 0.5301, 0.1488},
+       {46.224 / 2.522, 45.048 / 2.522, 43.727 / 2.522, 43.734 / 2.522, 43.728 / 2.522, 43.316 / 2.522, 43.322 / 2.522},
+       0.0027,
+       0.002},
+      {"a rounded box goes around",
+       scene_of(0.615, 0.3, 0.229, turned(fem::Box{{0.1877, 0.1459}, 0.1089}, -71.45), 0.0892,
+                {{0.0280235, 0.0118482, -3.708968},
+                 {0.0372124, 0.0509525, 2.151148},
+                 {0.007055, 0.0774877, 1.318186},
+                 {-0.030562, 0.0633969, -3.616177},
+                 {-0.0358644, 0.023579, 2.700827},
+                 {-0.0032459, 0.0001351, 0.614483}}),
+       {0, 0.9141, 1, 0.9983, 0.9949, 0.9979, 0.9972},
+       {0.13622 / 1.819, 0.13503 / 1.819, 0.13441 / 1.819, 0.13433 / 1.819, 0.13454 / 1.819, 0.13432 / 1.819,
+        0.13431 / 1.819},
+       0.0013,
+       0.002},
+      {"a tilted box",
+       scene_of(2, 0.45, 0.5, turned(fem::Box{{2, 1.4}, 0.3}, 0, 3.15, 30), 0.2, {{0.03, 0.01, 0}, {0.08, 0.02, 3}}),
+       {0, 0.2665, 0.8463},
+       {1.1575},
+       0.002,
+       0.002},
+      {"ridges",
+       scene_of(2, 0.45, 0.5, turned(ridges(), 20), 0.2,
+                {{0.03, 0, 0}, {0.06, 0.03, 0}, {0.06, 0.03, 2}, {0.06, 0.03, 5}}),
+       {0, 0.2704, 0.5638, 0.6769, 0.875},
+       {0.7072, 0.7071, 0.7067, 0.7065, 0.706},
+       0.006,
+       0.0371}};
+}
+
+class PadJudgeOf : public testing::TestWithParam<std::tuple<int, const char*>> {};
+
+TEST_P(PadJudgeOf, CoversTheErrorsBesideAnotherProgram) {
+  const JudgedScene judged = judged_scenes()[static_cast<std::size_t>(std::get<0>(GetParam()))];
+  const PadOutcome outcome = by_twin(judged.scene, std::get<1>(GetParam()));
+  ASSERT_EQ(outcome.solution.steps.size(), judged.S.size());
+  double S = 0, P = 0;
+  for (std::size_t k = 0; k < judged.S.size(); ++k) {
+    const fem::PadStep& step = outcome.solution.steps[k];
+    S = std::max(S, std::abs(*step.slip_index - judged.S[k]));
+    if (k < judged.P.size()) P = std::max(P, std::abs(step.P - judged.P[k]) / judged.P[0]);
+  }
+  const auto& said = outcome.error.value().expected;
+  EXPECT_GE(said.S, S - judged.S_off) << judged.name;
+  EXPECT_GE(said.P, P - judged.P_off) << judged.name;
+  // Not by stating much: factors of 2.5 on what twice the increments change, of 4 where answers agree by less.
+  EXPECT_LE(said.S, 4 * (S + judged.S_off) + 0.004) << judged.name;
+  EXPECT_LE(said.P, 4 * (P + judged.P_off) + 0.004) << judged.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PadJudgeOf,
+                         testing::Combine(testing::Range(0, 5), testing::Values("pad-8", "pad-12")));
+
+// A flat punch 8 thicknesses to a side without friction on incompressible rubber: P = 2 E a kappa d / (1 - nu^2), kappa
+// = 146.320 by the integral equation of a bonded layer, 499.45 N. Cells are wider than the rubber is thick.
+TEST(PadJudge, StatesTheErrorOfPUnderAWidePunch) {
+  fem::PadScene scene = scene_of(2, 0.5, 0, turned(fem::Punch{16, 0}, 0), 0.08, {});
+  const double P = 2 * 16 * 146.320 * 0.08 / 0.75;
+  for (const char* rung : {"pad-8", "pad-12"}) {
+    const PadOutcome outcome = by_twin(scene, rung);
+    const double off = std::abs(outcome.solution.steps[0].P / P - 1);
+    EXPECT_GE(outcome.error.value().expected.P, off) << rung;
+    EXPECT_LE(outcome.error.value().expected.P, 2 * off) << rung;
+    EXPECT_EQ(outcome.error.value().expected.S, 0);  // S has none
+    EXPECT_THAT(warnings(outcome), testing::ElementsAre(HasSubstr("S may be off by 0 and P by ")));
+  }
+  EXPECT_THAT(warnings(by_twin(scene, "pad-24")), IsEmpty());
+}
+
+TEST(PadJudge, JsonAndTableHaveAllErrors) {
+  const PadOutcome outcome = by_twin(judged_scenes()[3].scene, "pad-8");
+  const auto& e = outcome.error.value().expected;
+  const auto json = to_json(outcome)["discretisation_error"];
+  EXPECT_EQ(json["slip_index"], e.S);
+  EXPECT_EQ(json["P"], e.P);
+  EXPECT_EQ(json["Q"], e.Q);
+  EXPECT_EQ(json["M"], e.M);
+  EXPECT_EQ(json["sigma_z"], e.sigma);
+  EXPECT_EQ(json["tau"], e.tau);
+  EXPECT_EQ(json["from"], "24 x 24 cells");
+  EXPECT_EQ(json["scenes"], "this scene");
+  EXPECT_THAT(
+      answer_table(outcome),
+      HasSubstr(fmt::format("error in S to expect: {:.2g} (beside 24 x 24 cells)\n  P {:.2g} %, ", e.S, 100 * e.P)));
+}
+
+// The class of height maps has less error than these ridges at 8 and 12 cells, which say so themselves.
+TEST(PadJudgeOnDevice, AnAccuracyGoesOnToTheNextRung) {
+  const fem::PadScene scene = judged_scenes()[4].scene;
+  const double asked = class_errors(pad_rungs()[0], scene).most95.S;
+  const double here = by_twin(scene, "pad-8").error.value().expected.S;
+  ASSERT_GT(here, asked);
+  SolveOptions options;
+  options.accuracy = asked;
+  const PadOutcome outcome = solve(scene, options);
+  EXPECT_NE(outcome.rung.name, "pad-8");
+  EXPECT_TRUE(outcome.kept());
+  EXPECT_LE(outcome.error.value().expected.S, asked);
+}
+
+// What would take long is not solved twice: the class of the scene tells its errors.
+TEST(PadJudge, LongPathsHaveTheErrorsOfTheirClass) {
+  fem::PadScene scene = scene_of(2, 0.45, 0.5, turned(fem::Sphere{4}, 0), 0.1, {});
+  for (int k = 1; k <= 100; ++k) scene.load.drags.push_back({0.001 * k, 0, 0});
+  const PadOutcome outcome = by_twin(scene, "pad-8");
+  EXPECT_EQ(outcome.error.value().scenes, "smooth");
+  EXPECT_EQ(outcome.error.value().expected.P, class_errors(outcome.rung, scene).most95.P);
+  EXPECT_THAT(answer_table(outcome), HasSubstr("(95 % of scenes, smooth)\n"));
+}
+
+}  // namespace
+}  // namespace tactel::host
