@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Two pads of 16 tactels with three axes, 96 numbers a line, through a pipe to `tactel monitor` by the clock.
+"""Pads of 16 tactels with three axes, 48 numbers a pad in a line, through a pipe to `tactel monitor` by the clock.
 
-Usage: bench/live_pads.py [--program build/tactel] [--frames 20000] [--rate 1000]
+Usage: bench/live_pads.py [--program build/tactel] [--pads 2] [--device NAME] [--frames 20000] [--rate 1000] [--busy 0]
 Teaches a network on a few simulated contacts first. Prints how many lines came back, the latency from the write of
 a line to the read of its answer, and the part of it inside the program. Ends with 1 where a frame was lost or dropped
-as late, or a line is missing."""
+as late, or a line is missing. --device: OpenCL's kernel answers. --busy: so many processes compute beside it."""
 import argparse
 import json
 import pathlib
@@ -16,7 +16,6 @@ import tempfile
 import threading
 import time
 
-PADS = 2
 REST = (16000.0, 16500.0, 39000.0)  # counts of x, y, z
 
 
@@ -31,27 +30,38 @@ def network(program, folder):
     return next((folder / "nets").glob("*.onnx"))
 
 
-def lines(frames):
-    """Readings of a pressed and dragged pad with noise; the time is written in front when it is sent."""
+def lines(frames, pads, load=2000.0, drag=800.0):
+    """Readings of pads that are pressed and dragged, with noise; the time is written in front when it is sent."""
     dice = random.Random(1)
     for frame in range(frames):
-        load = 2000.0 * min(1.0, frame / frames * 4)
-        drag = 800.0 * frame / frames
-        yield ",".join(f"{rest + part + dice.gauss(0, 20):.0f}" for _ in range(PADS * 16)
-                       for rest, part in zip(REST, (drag, 0.3 * drag, load)))
+        part = frame / frames
+        moved = (drag * part, 0.3 * drag * part, load * min(1.0, 4 * part))
+        yield ",".join(f"{rest + more + dice.gauss(0, 20):.0f}" for _ in range(pads * 16)
+                       for rest, more in zip(REST, moved))
+
+
+def tared(program, folder, profiles, pads):
+    rest, offsets = folder / "rest.csv", folder / "offsets.toml"
+    rest.write_text("\n".join(lines(200, pads, 0, 0)) + "\n")
+    subprocess.run([program, "tare", "--source", f"csv:{rest}", *profiles, "--output", offsets], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return offsets
 
 
 def send(pipe, texts, rate, sent):
-    pipe.write(("time" + "," * (PADS * 48) + "\n").encode())
-    start = time.monotonic()
-    for frame, text in enumerate(texts):
-        wait = start + frame / rate - time.monotonic()
-        if wait > 0:
-            time.sleep(wait)
-        sent.append(time.monotonic())
-        pipe.write(f"{sent[-1]:.9f},{text}\n".encode())
-        pipe.flush()
-    pipe.close()
+    try:
+        pipe.write(("time" + "," * texts[0].count(",") + ",\n").encode())
+        start = time.monotonic()
+        for frame, text in enumerate(texts):
+            wait = start + frame / rate - time.monotonic()
+            if wait > 0:
+                time.sleep(wait)
+            sent.append(time.monotonic())
+            pipe.write(f"{sent[-1]:.9f},{text}\n".encode())
+            pipe.flush()
+        pipe.close()
+    except BrokenPipeError:  # the program ended: its message says why
+        pass
 
 
 def share(values, part):
@@ -61,29 +71,44 @@ def share(values, part):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--program", default="build/tactel")
+    options.add_argument("--pads", type=int, choices=(1, 2), default=2)
+    options.add_argument("--device")
     options.add_argument("--frames", type=int, default=20000)
     options.add_argument("--rate", type=float, default=1000)
+    options.add_argument("--busy", type=int, default=0)
     options = options.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        model = network(options.program, pathlib.Path(folder))
-        texts = list(lines(options.frames))
-        child = subprocess.Popen([options.program, "monitor", "--source", "csv:-", *["--profile", "uskin-4x4"] * PADS,
-                                  "--network", model, "--touch", "0", "--quiet"],
+    profiles = ["--profile", "uskin-4x4"] * options.pads
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        model = network(options.program, folder)
+        offsets = tared(options.program, folder, profiles, options.pads)
+        texts = list(lines(options.frames, options.pads))
+        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(options.busy)]
+        child = subprocess.Popen([options.program, "monitor", "--source", "csv:-", *profiles, "--calibration", offsets,
+                                  "--network", model, "--touch", "0", "--quiet",
+                                  *(["--device", options.device] if options.device else [])],
                                  stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        sent, latency = [], []
+        sent, read = [], []
         sender = threading.Thread(target=send, args=(child.stdin, texts, options.rate, sent))
         sender.start()
-        for answer in child.stdout:
-            now = time.monotonic()
-            line = json.loads(answer)
-            assert len(line["pads"]) == PADS and line["frame"] == len(latency)
-            latency.append(1e3 * (now - line["device_time"]))
+        try:
+            for answer in child.stdout:
+                read.append((time.monotonic(), answer))
+        finally:
+            for process in busy:
+                process.kill()
         sender.join()
-        summary = json.loads(child.stderr.read().decode().strip().splitlines()[-1])
-    seconds = sent[-1] - sent[0]
+        said = child.stderr.read().decode()
+        if child.wait() != 0:
+            sys.exit(said)
+    answers = [(now, json.loads(answer)) for now, answer in read]
+    numbers = [line["frame"] for _, line in answers]
+    assert numbers == sorted(set(numbers)) and all(len(line.get("pads", [line])) == options.pads for _, line in answers)
+    latency = [1e3 * (now - line["device_time"]) for now, line in answers]
+    summary = json.loads(said.strip().splitlines()[-1])
     inside = summary["latency_us"]
-    print(f"{options.frames} lines of {PADS * 48} numbers in {seconds:.2f} s: {len(latency)} answers, "
-          f"{summary['lost']} lost, {summary['late']} dropped as late")
+    print(f"{options.frames} lines of {options.pads * 48} numbers in {sent[-1] - sent[0]:.2f} s, answered by "
+          f"{summary['device']}: {len(latency)} answers, {summary['lost']} lost, {summary['late']} dropped as late")
     print("from pipe to pipe: " + ", ".join(f"{name} {share(latency, part):.2f} ms" for name, part in
                                             (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999))) +
           f", largest {max(latency):.2f} ms")

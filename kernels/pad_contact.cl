@@ -71,7 +71,7 @@ typedef struct {
   Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
   Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
   int list[COUNT], at[COUNT], listed; /* cells in the window of any lane: index, place in a shared table */
-  int ends[CELLS];                    /* of the columns in the list */
+  int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
 } Cells;
 
 /* Numbers that belong to a table. */
@@ -124,23 +124,25 @@ INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
 }
 
 /* Displacement at a cell by the cells listed. ix, iy from -1 to CELLS. A table of one quadrant lacks the signs of xy,
-   xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. */
+   xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. There a column is walked
+   from its first cell in a window to its last: those between without tractions add 0. */
 INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
   Sums s;
   EACH_VECTOR(v) {
     s.zn.v[v] = s.zx.v[v] = s.zy.v[v] = s.xx.v[v] = s.xy.v[v] = s.xn.v[v] = s.yx.v[v] = s.yy.v[v] = s.yn.v[v] = 0;
   }
 #if OWN_TABLES
-  int k = 0;
   ROLLED for (int jx = 0; jx < CELLS; ++jx) {
-    const int end = c->ends[jx], here = jx * CELLS + iy;
-    global const side *t = influence->table + PAD_OWN_INFLUENCE * abs(ix - jx) * (CELLS + 1);
+    const int end = c->to[jx], here = jx * CELLS + iy;
+    global const side *column = influence->table + PAD_OWN_INFLUENCE * abs(ix - jx) * (CELLS + 1), *t;
     if (jx == ix + 1) TURN_X(s);
-    ROLLED for (; k < end && c->list[k] <= here; ++k)
-        add_products(t + PAD_OWN_INFLUENCE * (here - c->list[k]), c, c->list[k], &s);
-    if (k == end) continue;
+    int j = c->from[jx];
+    t = column + PAD_OWN_INFLUENCE * (here - j);
+    ROLLED for (; j < end && j <= here; ++j, t -= PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
+    if (j == end) continue;
     TURN_Y(s);
-    ROLLED for (; k < end; ++k) add_products(t + PAD_OWN_INFLUENCE * (c->list[k] - here), c, c->list[k], &s);
+    t = column + PAD_OWN_INFLUENCE * (j - here);
+    ROLLED for (; j < end; ++j, t += PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
     TURN_Y(s);
   }
   if (ix < CELLS - 1) TURN_X(s);
@@ -158,14 +160,15 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
 /* Cells in the window of any lane, in the order of their index. */
 static void list_cells(Cells *c) {
   c->listed = 0;
+  for (int x = 0; x < CELLS; ++x) c->from[x] = c->to[x] = 0;
   for (int i = 0; i < COUNT; ++i) {
     vint any = c->window[i].v[0];
     for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v];
-    if (ANY(any)) {
-      c->list[c->listed] = i;
-      c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
-    }
-    c->ends[i / CELLS] = c->listed;
+    if (!ANY(any)) continue;
+    if (c->to[i / CELLS] == 0) c->from[i / CELLS] = i;
+    c->to[i / CELLS] = i + 1;
+    c->list[c->listed] = i;
+    c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
   }
 }
 
@@ -653,7 +656,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   State s;
   check_input(lane_input, path, heights, increments, &s);
   c.listed = 0;
-  for (int i = 0; i < CELLS; ++i) c.ends[i] = 0;
+  for (int i = 0; i < CELLS; ++i) c.from[i] = c.to[i] = 0;
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;

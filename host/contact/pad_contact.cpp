@@ -27,6 +27,7 @@ namespace {
 constexpr int pad_friction_strata = 4;
 constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
+constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
 
 /// A scene on its cells.
 struct OnCells {
@@ -47,9 +48,9 @@ struct PadLanes {
 
 /// Scenes of one table side by side, those of like cost together, so that the lanes of a group finish together. What
 /// would not fill most of a group goes to groups where every lane has its own table; the bits are the same.
-template <class Numbers>
-PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, const PadContactOptions& options,
-                  std::size_t width) {
+template <class Real>
+PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typename LaneScenes<Real>::One>& scenes,
+                  const PadContactOptions& options, std::size_t width) {
   std::vector<double> friction;
   friction.reserve(on_cells.size());
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
@@ -63,10 +64,13 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, c
   }
   PadLanes lanes;
   lanes.vectors = options.vectors;
-  if (lanes.vectors == 0) {  // two vectors share each number of the table, which pays where they are full
+  if (lanes.vectors == 0) {
+    // Two vectors share each number of the table. That pays where they are full, and where their 18 sums fit into
+    // registers: AVX-512 has 32, AVX 16.
     std::size_t full = 0;
     for (const auto& [table, members] : by_table) full += members.size() / (2 * width) * 2 * width;
-    lanes.vectors = width > 1 && options.cells <= 12 && 2 * full >= on_cells.size() ? 2 : 1;
+    const bool fit = width * sizeof(Real) >= bytes_of_wide_vector;
+    lanes.vectors = fit && options.cells <= 12 && 2 * full >= on_cells.size() ? 2 : 1;
   }
   const std::size_t size = static_cast<std::size_t>(lanes.vectors) * width;
   const auto place = [&](const Cost& member) { lanes.in_lane.push_back(std::get<4>(member)); };
@@ -458,7 +462,7 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.contact = state_;
   b.on_cells = s.on_cells(scenes);
   LaneScenes<Real> numbers = s.numbers(b.on_cells, scenes);
-  const PadLanes lanes = in_lanes(b.on_cells, numbers.scenes, s.options, s.width());
+  const PadLanes lanes = in_lanes<Real>(b.on_cells, numbers.scenes, s.options, s.width());
   b.lay_out(s.executor, std::move(numbers), lanes.in_lane, s.width(), 1, PAD_INPUT_ROWS, PAD_PATH_ROWS);
 
   std::vector<std::int32_t> table_of_group;

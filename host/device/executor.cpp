@@ -71,11 +71,9 @@ const std::string& Launch::kernel() const { return state_->kernel; }
 struct Executor::State {
   Launcher launcher;
   ThreadTeam team;
-  std::mutex turn;    ///< whose run it is; also guards the times in the next
-  std::mutex naming;  ///< of the kernels in the next
+  std::mutex turn;            ///< whose run the threads do
+  mutable std::mutex timing;  ///< of the next
   std::map<std::string, KernelTime> times;
-  mutable std::mutex beside_turn;            ///< of the next
-  std::map<std::string, KernelTime> beside;  ///< times of runs beside these
 
   State(const Device& device, double spin_seconds, int threads)
       : launcher(device, threads), team(threads, spin_seconds) {
@@ -165,7 +163,7 @@ bool Executor::State::run_slices(Run& run, std::size_t job) {
   for (std::size_t left = run.jobs[job].groups; left > 0;) {
     const Chunk chunk = run.supply.draw([&](std::size_t) { return std::min(slice, left); }).value();
     const auto start = Clock::now();
-    launcher.launch(*run.jobs[job].launch.state_, 0, chunk.first, chunk.count);
+    launcher.launch_beside(*run.jobs[job].launch.state_, chunk.first, chunk.count);
     run.times[job] += KernelTime{1, chunk.count, seconds_since(start)};
     run.done += chunk.count;
     left -= chunk.count;
@@ -175,12 +173,14 @@ bool Executor::State::run_slices(Run& run, std::size_t job) {
 }
 
 void Executor::State::finish(Run& run) {
+  std::unique_lock lock(timing);
   for (std::size_t job = 0; job < run.jobs.size(); ++job) {
     Launch::State& launch = *run.jobs[job].launch.state_;
     const KernelTime& time = run.times[job];
     *launch.time += time;
     if (time.groups > 0) launch.seconds_per_group = time.seconds / static_cast<double>(time.groups);
   }
+  lock.unlock();
   const std::size_t total = run.supply.total();
   run.report.groups_done = run.done;
   run.report.cancelled = run.done < total;
@@ -190,7 +190,7 @@ void Executor::State::finish(Run& run) {
 /// A run in the calling thread alone, while another has the threads: on `basic`, of one compiled launch that nothing
 /// else runs. None otherwise. Its seconds are those of one thread, as if all had shared them.
 std::optional<RunReport> Executor::State::run_beside(std::span<const Job> jobs, const RunOptions& options) {
-  if (jobs.size() != 1 || options.progress || !launcher.device().info().low_latency) return {};
+  if (jobs.size() != 1 || options.progress) return {};
   const auto& [launch, groups] = jobs.front();
   Launch::State& state = *launch.state_;
   const std::unique_lock use(*state.use, std::try_to_lock);
@@ -205,8 +205,8 @@ std::optional<RunReport> Executor::State::run_beside(std::span<const Job> jobs, 
     pace.measured(count, seconds_since(begun));
   }
   const double seconds = seconds_since(start);
-  const std::lock_guard lock(beside_turn);
-  beside[state.kernel] += KernelTime{1, groups, seconds};
+  const std::lock_guard lock(timing);
+  *state.time += KernelTime{1, groups, seconds};
   RunReport report{.groups_done = groups, .seconds = seconds / team.threads(), .groups_by_thread = {}};
   report.groups_by_thread.assign(static_cast<std::size_t>(team.threads()), 0);
   report.groups_by_thread[0] = groups;
@@ -221,7 +221,7 @@ Executor::~Executor() = default;
 
 Launch Executor::prepare(const Program& program, const std::string& kernel, const BindArguments& bind) {
   const auto time = [&] {
-    const std::lock_guard lock(state_->naming);
+    const std::lock_guard lock(state_->timing);
     return &state_->times[kernel];
   };
   Launch launch;
@@ -266,8 +266,9 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
       throw std::length_error("more groups than a kernel can count");
     groups.push_back(job.groups);
   }
+  const bool on_threads = device().info().low_latency;
   std::unique_lock lock(state_->turn, std::defer_lock);
-  if (!lock.try_lock()) {
+  if (on_threads && !lock.try_lock()) {
     if (const auto report = state_->run_beside(jobs, options)) return *report;
     lock.lock();
   }
@@ -276,7 +277,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   const auto start = Clock::now();
   Run run(jobs, groups, options, threads());
   for (const Job& job : jobs) state_->launcher.compile(*job.launch.state_);
-  if (run.supply.total() > 0) device().info().low_latency ? state_->run_on_threads(run) : state_->run_on_device(run);
+  if (run.supply.total() > 0) on_threads ? state_->run_on_threads(run) : state_->run_on_device(run);
   state_->finish(run);
   run.report.seconds = seconds_since(start);
   if (run.report.cancelled) StopScope::check();
@@ -292,6 +293,7 @@ void Executor::run_here(const Launch& launch, std::size_t groups) {
   state_->launcher.compile(state);
   const auto start = Clock::now();
   state_->launcher.launch(state, 0, 0, groups);
+  const std::lock_guard timing(state_->timing);
   *state.time += KernelTime{1, groups, seconds_since(start)};
 }
 
@@ -299,16 +301,13 @@ const Device& Executor::device() const { return state_->launcher.device(); }
 int Executor::threads() const { return state_->team.threads(); }
 
 std::map<std::string, KernelTime> Executor::times() const {
-  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
-  std::map<std::string, KernelTime> all = state_->times;
-  for (const auto& [kernel, time] : state_->beside) all[kernel] += time;
-  return all;
+  const std::lock_guard lock(state_->timing);
+  return state_->times;
 }
 
 void Executor::clear_times() {
-  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
+  const std::lock_guard lock(state_->timing);
   for (auto& [kernel, time] : state_->times) time = {};
-  state_->beside.clear();
 }
 
 }  // namespace tactel::host

@@ -85,8 +85,8 @@ struct Job {
 };
 
 /// Runs kernels on a device. On PoCL's `basic` device host threads, each with its own queue, draw chunks of
-/// groups from a shared counter. Other devices receive one launch and schedule themselves. Concurrent runs take
-/// turns; on `basic` one of a single launch that finds the threads taken goes in its calling thread instead.
+/// groups from a shared counter. Concurrent runs take turns, but one of a single launch that finds the threads taken
+/// goes in its calling thread. Other devices receive one launch and schedule themselves; runs go side by side there.
 class Executor {
  public:
   explicit Executor(const Device& device, const ExecutorOptions& options = {});

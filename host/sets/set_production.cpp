@@ -104,7 +104,8 @@ class Production {
 };
 
 /// One device with its threads. Each takes a chunk through all stages, so that all are busy whichever stage is the
-/// longest. One more than the device has: a thread waits while another's kernels run.
+/// longest. One more than the device has: a thread waits while another's kernels run. Of a GPU the most: their launches
+/// go side by side, and one alone leaves most of it idle.
 class Line {
  public:
   Line(Production& production, const std::string& device, const SetOptions& options)
@@ -126,7 +127,10 @@ class Line {
     }
   }
   void wait() { threads_.clear(); }
-  int thread_count() const { return std::min(std::max(executor_.threads(), 2) + 1, most_threads); }
+  int thread_count() const {
+    if (executor_.device().info().type == DeviceType::gpu) return most_threads;
+    return std::min(std::max(executor_.threads(), 2) + 1, most_threads);
+  }
   const std::string& device_name() const { return executor_.device().info().name; }
 
  private:

@@ -9,12 +9,15 @@
 
 #include <atomic>
 #include <cstring>
+#include <latch>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "host/device/buffer.h"
 #include "host/support/errors.h"
+#include "host/support/seconds.h"
 #include "host/support/stop_scope.h"
 #include "tests/host/device/test_device.h"
 
@@ -307,6 +310,57 @@ TEST(Executor, RunsOfSeveralThreadsGoBesideEachOther) {
   const auto times = executor.times();
   EXPECT_EQ(times.at("mark_slowly").groups, 3 * runs * groups);
   EXPECT_EQ(times.at("mark").groups, 3 * runs);
+}
+
+// On devices that schedule themselves: each of two runs waits in its progress for the other one's.
+TEST(Executor, RunsGoSideBySideOnDevicesThatScheduleThemselves) {
+  constexpr std::size_t groups = 300'000;  // two slices of a GPU
+  for (const Device& on : {device("basic").as_gpu(), device("pthread")}) {
+    Executor executor(on);
+    const Program built = program(on);
+    std::latch both(2);
+    const auto meet = [&] {
+      both.count_down();
+      for (const auto start = Clock::now(); !both.try_wait() && seconds_since(start) < 10;) std::this_thread::yield();
+      return both.try_wait();
+    };
+    const auto run = [&] {
+      const Marks marks(on, groups);
+      std::optional<bool> met;
+      executor.run(built, "mark", groups, marks.bind(), {.progress = [&](std::size_t, std::size_t) {
+                     if (!met) met = meet();
+                     return true;
+                   }});
+      EXPECT_EQ(met, true) << on.info().name;
+      EXPECT_EQ(marks.done(), groups);
+    };
+    {
+      const std::jthread other(run);
+      run();
+    }
+    EXPECT_EQ(executor.times().at("mark").groups, 2 * groups);
+  }
+}
+
+TEST(Executor, AnswersAreReadWhileAGpuComputes) {
+  Executor executor(device("basic").as_gpu());
+  const Marks marks(executor.device(), 2000);
+  const Launch launch = executor.prepare(program(executor.device()), "mark_slowly", marks.bind());
+  const Buffer<int> answers(executor.device(), std::vector<int>(100'000, 7));
+  std::atomic<bool> computes = true;
+  std::size_t read = 0;
+  std::jthread reader([&] {
+    while (computes) {
+      EXPECT_EQ(answers.map(MapFor::reading)[99'999], 7);
+      read += computes;
+    }
+  });
+  const auto start = Clock::now();
+  executor.run(launch, 2000);
+  EXPECT_GT(seconds_since(start), 0.05);  // much longer than a copy
+  computes = false;
+  reader.join();
+  EXPECT_GT(read, 1u);
 }
 
 TEST(Executor, ALaunchBelongsToItsExecutor) {

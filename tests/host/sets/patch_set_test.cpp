@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <thread>
+#include <vector>
 
 #include "host/contact/solve_on_rung.h"
 #include "host/sets/set_simulator.h"
@@ -77,6 +79,21 @@ TEST_F(PatchSet, OnAGpuTheBytesAreTheSame) {
     EXPECT_GT(expected.rows(), 70u);
     expect_same_bytes(found, expected);
   }
+}
+
+// Threads of a GPU's set take chunks side by side.
+TEST_F(PatchSet, ChunksSideBySideOnAGpuHaveTheSameBytes) {
+  constexpr std::size_t chunks = 6, contacts = 50;
+  Executor gpu{device().as_gpu()};
+  const SetOptions options{.patch = rung_named("patch-8")};
+  const SetSimulator expected(executor_, source_, options), found(gpu, source_, options);
+  std::vector<ContactSet> sets(chunks);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 0; k < chunks; ++k)
+      threads.emplace_back([&, k] { sets[k] = found.simulate(k * contacts, contacts); });
+  }
+  for (std::size_t k = 0; k < chunks; ++k) expect_same_bytes(sets[k], expected.simulate(k * contacts, contacts));
 }
 
 // Two sensors, then the one Poisson's ratio of own sensors. Every message ends before the next one.
