@@ -2,10 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures rates, sets and starts, and prints their tables; --write makes a page of them, docs/notebook/DATE-performance.md.
 
-Usage: docs/performance.py [--bench build/bench/tactel_bench] [--program build/tactel] [--json FILE] [--contacts N] [--write]
+Usage: docs/studies/performance.py [--build build] [--json FILE] [--contacts N] [--write]
 --json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring; sets, start and memory are always measured.
 --contacts: of each set that is timed. Three minutes and 1.2 GB of $TMPDIR on an idle machine."""
-import argparse
 import datetime
 import json
 import math
@@ -18,7 +17,9 @@ import subprocess
 import tempfile
 import time
 
-DOCS = pathlib.Path(__file__).resolve().parent
+import study
+from study import DOCS, row
+
 FILTER = ("^contact/(mesh_[AB]/fp(32|64)/real|mesh_B/reference|patch_[0-9]+/mix)|^contact/mesh_[AB]/tactels|^contact/patch_12_sensors|^scaling/|fma_peak/fp32"
           "|^train/(online/6x100/kernel|batch/42-42-21-1/adam.*/64)|^forward/42-42-21-1/(kernel/threads:[12]/(4096|262144)|one_frame)")
 
@@ -55,41 +56,37 @@ class Runs:
 
 
 def contacts(runs):
-    lines = ["| model | one thread | two threads | of peak, two threads |", "|---|---|---|---|"]
+    lines = [study.head("model", "one thread", "two threads", "of peak, two threads")]
     for elements in (8, 12, 16, 24):
         one, two = (f"contact/patch_{elements}/mix/fp32/threads:{threads}" for threads in (1, 2))
         path = f"{100 * runs.of[two]['path_of_peak']:.0f} % (load path)"
-        lines.append(f"| `patch-{elements}`, a mix of shapes | {runs.million(one)} | {runs.million(two)} | {path} |")
-    lines.append(f"| `patch-12`, parabolas, a sensor each | | {runs.million('contact/patch_12_sensors/fp32')} | |")
+        lines.append(row(f"`patch-{elements}`, a mix of shapes", runs.million(one), runs.million(two), path))
+    lines.append(row("`patch-12`, parabolas, a sensor each", "", runs.million("contact/patch_12_sensors/fp32"), ""))
     for mesh, size in (("B", "41 x 11"), ("A", "123 x 33")):
-        name = f"contact/mesh_{mesh}"
-        lines.append(f"| mesh {size}, parabolas, stresses at the tactels | | {runs.million(f'{name}/tactels/fp32')} "
-                     f"| {runs.of_peak(f'{name}/tactels/fp32', 2)} |")
-        lines.append(f"| mesh {size}, parabolas, fp32 | | {runs.million(f'{name}/fp32')} | {runs.of_peak(f'{name}/fp32', 2)} |")
-        lines.append(f"| mesh {size}, parabolas, fp64 | | {runs.million(f'{name}/fp64')} | |")
-    reference = runs.of["contact/mesh_B/reference"]["steps_per_second"]
-    lines.append(f"| mesh 41 x 11, `--solver full-mesh` | {number(reference / 1e6, 3)} | | |")
-    return lines
+        for what, name in (("stresses at the tactels", "tactels/fp32"), ("fp32", "fp32"), ("fp64", "fp64")):
+            run = f"contact/mesh_{mesh}/{name}"
+            lines.append(row(f"mesh {size}, parabolas, {what}", "", runs.million(run), "" if what == "fp64" else runs.of_peak(run, 2)))
+    return [*lines, row("mesh 41 x 11, `--solver full-mesh`", runs.million("contact/mesh_B/reference"), "", "")]
 
 
 def networks(runs):
-    lines = ["| | million a second | of peak |", "|---|---|---|"]
+    lines = [study.head("", "million a second", "of peak")]
     rows = {"training pattern by pattern, the six networks from 100 seeds each, two threads": ("train/online/6x100/kernel", 2),
             "training 42-42-21-1 in batches of 64 (Adam), one thread": ("train/batch/42-42-21-1/adam/threads:1/64", 1)}
     for shown, (name, threads) in rows.items():
-        lines.append(f"| {shown} | {runs.million(name, 'patterns_per_second')} | {runs.of_peak(name, threads)} |")
+        lines.append(row(shown, runs.million(name, "patterns_per_second"), runs.of_peak(name, threads)))
     for threads, frames in ((1, 4096), (2, 262144)):
         name = f"forward/42-42-21-1/kernel/threads:{threads}/{frames}"
-        lines.append(f"| frames to S in batches of {frames}, {('one thread', 'two threads')[threads - 1]} "
-                     f"| {runs.million(name, 'frames_per_second')} | {runs.of_peak(name, threads)} |")
+        lines.append(row(f"frames to S in batches of {frames}, {('one thread', 'two threads')[threads - 1]}",
+                         runs.million(name, "frames_per_second"), runs.of_peak(name, threads)))
     return lines
 
 
 def one_frame(runs):
-    lines = ["| one frame of 42 stresses, us | median | 99 % | 99.9 % |", "|---|---|---|---|"]
+    lines = [study.head("one frame of 42 stresses, us", "median", "99 %", "99.9 %")]
     for shown, name in (("`tactel::infer`, also in `tactel monitor`", "one_frame_infer"), ("Eigen, for comparison", "one_frame_eigen")):
         run = runs.of[f"forward/42-42-21-1/{name}"]
-        lines.append(f"| {shown} | " + " | ".join(f"{run[key]:.2f}" for key in ("p50_us", "p99_us", "p99.9_us")) + " |")
+        lines.append(row(shown, *(f"{run[key]:.2f}" for key in ("p50_us", "p99_us", "p99.9_us"))))
     return lines
 
 
@@ -99,13 +96,9 @@ def exponents(sizes, rates):
     return [math.log(a[1] / b[1]) / math.log(b[0] / a[0]) for a, b in zip(pairs, pairs[1:])]
 
 
-def row(title, cells):
-    return f"| {title} | " + " | ".join(cells) + " |"
-
-
 def table(title, heads, *rows):
     """Rows of cells below a row of heads, and an empty line."""
-    return [row(title, map(str, heads)), "|---" * (len(heads) + 1) + "|", *(row(*cells) for cells in rows), ""]
+    return [study.head(title, *heads), *(row(name, *cells) for name, cells in rows), ""]
 
 
 def powers(values):
@@ -205,20 +198,18 @@ def sets(program, contacts):
 
 def start(program):
     """`tactel solve` with empty caches and with full ones: the first run and the median of ten."""
-    lines = ["| `tactel solve`, start to end | empty caches | full caches | memory |", "|---|---|---|---|"]
+    lines = [study.head("`tactel solve`, start to end", "empty caches", "full caches", "memory")]
     examples = DOCS.parent / "examples"
     for shown, scene in (("a patch, `cylinder.toml`", "cylinder.toml"), ("a mesh, `parabola.toml`", "parabola.toml")):
         with tempfile.TemporaryDirectory() as cache:
             runs = [measure([program, "solve", examples / scene, "--quiet"], TACTEL_CACHE_DIR=cache) for _ in range(11)]
         warm = statistics.median(seconds for seconds, _, _ in runs[1:])
-        lines.append(f"| {shown} | {runs[0][0]:.1f} s | {1e3 * warm:.0f} ms | {max(memory for _, memory, _ in runs):.0f} MB |")
+        lines.append(row(shown, f"{runs[0][0]:.1f} s", f"{1e3 * warm:.0f} ms", f"{max(memory for _, memory, _ in runs):.0f} MB"))
     return lines
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bench", default="build/bench/tactel_bench")
-    parser.add_argument("--program", default="build/tactel")
+    parser = study.options(__doc__)
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--contacts", type=int, default=500000)
     parser.add_argument("--write", action="store_true")
@@ -229,12 +220,12 @@ def main():
     if options.json:
         text = options.json.read_text()
     else:
-        command = [options.bench, f"--benchmark_filter={FILTER}", "--benchmark_format=json", "--benchmark_min_time=0.2"]
+        command = [options.build / "bench/tactel_bench", f"--benchmark_filter={FILTER}", "--benchmark_format=json", "--benchmark_min_time=0.2"]
         text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    runs = Runs(text)
-    parts = {"Contacts": contacts(runs), "From file to set": sets(options.program, options.contacts), "Scaling": scaling(runs),
-             "Networks": networks(runs), "One frame": one_frame(runs), "First use": start(options.program)}
-    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/performance.py` wrote this page.\n"
+    runs, program = Runs(text), study.Program(options.build).path
+    parts = {"Contacts": contacts(runs), "From file to set": sets(program, options.contacts), "Scaling": scaling(runs),
+             "Networks": networks(runs), "One frame": one_frame(runs), "First use": start(program)}
+    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/studies/performance.py` wrote this page.\n"
     for heading, lines in parts.items():
         page += f"\n## {heading}\n\n" + "\n".join(lines) + "\n"
     print(page)

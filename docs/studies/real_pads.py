@@ -3,7 +3,7 @@
 """Slip index and `moved` of two real pads that hold a box, judged by the motion of a marker on the box: prints tables such as those
 of docs/notebook/2026-11-26-real-pads.md and draws a figure of each trial.
 
-Usage: docs/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N] [--shear-gain R]
+Usage: docs/studies/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N] [--shear-gain R]
 FOLDER holds trials data_sample_*, such as the folder data_set of github.com/imanlab/proactive-slip-control (MIT): Nazari, Mandil
 and Ghalamzan, "Proactive slip control by learned slip model and trajectory adaptation", CoRL 2022. A trial has counts of two uSkin
 pads (xela_sensor1.csv, xela_sensor2.csv), times (robot_state.csv) and places of a marker (marker.csv).
@@ -11,15 +11,15 @@ First motion: the box has turned by 0.6 degrees or gone 0.5 mm from the mean of 
 or 2 mm. The marker judges and decides nothing: zero, gains, networks and scores are fixed without it. A threshold is 1.2 times the
 largest score in the first trial that never moves, the recorded hold.
 DIR gets network/, frames and a figure NAME.svg of each trial. Debian: python3-numpy, python3-matplotlib."""
-import argparse
 import dataclasses
 import json
 import pathlib
-import subprocess
 import tempfile
 import tomllib
 
 import numpy as np
+
+import study
 
 SIDE, PITCH = 4, 4.7  # tactels along x and y; mm between their middles
 TACTELS = SIDE * SIDE
@@ -181,15 +181,7 @@ def spread(load):
 
 class Chain:
     def __init__(self, build, output):
-        self.program, self.output = build.resolve() / "tactel", output
-        if not self.program.is_file():
-            wrong(self.program, "no such program", "build it, or name its folder by --build")
-
-    def run(self, *words):
-        done = subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, stdin=subprocess.DEVNULL)
-        if done.returncode != 0:
-            raise SystemExit(f"tactel {' '.join(map(str, words))}: exit code {done.returncode}\n{done.stderr}")
-        return done.stdout
+        self.run, self.output = study.Program(build), output
 
     def simulated_spread(self):
         """Of the assumed rubber under a box as wide as the array, half a pitch outside of the outer tactels."""
@@ -343,25 +335,19 @@ def row(name, trials, scores, threshold, alarms=None):
         false += np.count_nonzero(quiet & ~np.r_[False, quiet[:-1]])
         seconds += len(quiet) / 60
     cells = [area(np.concatenate(scores), np.concatenate(moved)), *(one for one in each if not np.isnan(one))]
-    print(f"| {name} | {'' if threshold is None else f'{threshold:.3g}'} | " + " ".join(f"{cell:.3f}" for cell in cells) + " | "
-          + " | ".join(events(trial, np.array(on, bool)) for trial, on in zip(trials, alarms)) + f" | {60 * false / seconds:.0f} |")
+    print(study.row(name, "" if threshold is None else f"{threshold:.3g}", " ".join(f"{cell:.3f}" for cell in cells),
+                    *(events(trial, np.array(on, bool)) for trial, on in zip(trials, alarms)), f"{60 * false / seconds:.0f}"))
 
 
-def head(trials, first):
-    print(f"| {first} | threshold | area of moved: all; each | " + " | ".join(trial.name for trial in trials) + " | false a minute |\n|---"
-          + "|---" * (len(trials) + 3) + "|")
+def head(trials):
+    print(study.head("score", "threshold", "area of moved: all; each", *(trial.name for trial in trials), "false a minute"))
 
 
 def figure(path, trial, S, upper, alarm):
-    import matplotlib
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-    plt.rcParams.update({"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True, "legend.frameon": False,
-                         "svg.fonttype": "none", "svg.hashsalt": "tactel", "font.family": "DejaVu Sans", "figure.facecolor": "white"})
-    shown, (index, ratio, force) = plt.subplots(3, 1, sharex=True, figsize=(8.4, 7), layout="constrained", height_ratios=(2, 1, 1))
+    shown, (index, ratio, force) = study.panels(3, 1, sharex=True, figsize=(8.4, 7), height_ratios=(2, 1, 1))
     P = trial.load[..., 2].sum(2)
     Q = np.linalg.norm(trial.load[..., :2].sum(2), axis=-1)
-    for pad, colour in enumerate(("#1f5fa8", "#d9660a")):
+    for pad, colour in enumerate((study.BLUE, study.ORANGE)):
         index.plot(trial.time, S[pad], color=colour, label=f"S, pad {pad + 1}")
         index.plot(trial.time, upper[pad], color=colour, lw=0.8, ls="--", label=f"upper bound, pad {pad + 1}")
         ratio.plot(trial.time, Q[pad] / P[pad], color=colour, label=f"pad {pad + 1}")
@@ -377,15 +363,13 @@ def figure(path, trial, S, upper, alarm):
     ratio.set(ylabel="|Q| / P, counts")
     force.set(ylabel="P, 1000 counts", xlabel="s")
     force.legend(fontsize=8)
-    shown.savefig(path, metadata={"Date": None})
-    plt.close(shown)
+    study.save(shown, path)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = study.options(__doc__)
     parser.add_argument("folder", type=pathlib.Path, metavar="FOLDER")
     parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("real_pads"), metavar="DIR")
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="holds the program")
     parser.add_argument("--contacts", type=int, default=60000, help="simulated, to learn from")
     parser.add_argument("--shear-gain", type=float, metavar="R", help="counts of z that a count of shear is worth (by the spread at rest)")
     options = parser.parse_args()
@@ -403,10 +387,10 @@ def main():
           f"{simulated:.3f} simulated.\nA count of shear is taken as {shear_gain:.2f} counts of z.")
     networks = chain.networks(options.contacts)
 
-    print("| trial | frames | first motion | moved | largest turn, degrees | largest way, mm |\n|---" + "|---" * 5 + "|")
+    print(study.head("trial", "frames", "first motion", "moved", "largest turn, degrees", "largest way, mm"))
     for trial in trials:
-        print(f"| {trial.name} | {len(trial.time)} | {trial.first or ''} | {trial.moves or 'holds'} | {trial.turn.max():.1f} | "
-              f"{trial.way.max():.1f} |")
+        print(study.row(trial.name, len(trial.time), trial.first or "", trial.moves or "holds", f"{trial.turn.max():.1f}",
+                        f"{trial.way.max():.1f}"))
     held = next((i for i, trial in enumerate(trials) if trial.moves is None), None)
     if held is None:
         wrong(options.folder, "the box moves in all trials", "add one that holds, which gives the threshold")
@@ -427,7 +411,7 @@ def main():
         scores = [network_scores(S, upper) for S, upper, _, _ in said]
         return {name: [score[name] for score in scores] for name in scores[0]}, said
 
-    head(trials, "score")
+    head(trials)
     of_pads, threshold = row_of_moved("moved, without a network", loads, loads[held])
     for pad in (0, 1):
         row(f"moved, pad {pad + 1} alone", trials, [each[:, pad] for each in of_pads], threshold)
@@ -446,7 +430,7 @@ def main():
             figure(options.output / f"{trial.name}.svg", trial, S, upper, alarm)
 
     print("\nOther sensors. Alike: the hold was recorded by the same sensor; before: by the sensor as it is.\n")
-    head(trials, "score")
+    head(trials)
     for kind in PERTURBED:
         others = [perturbed(kind, load) for load in loads]
         row_of_moved(f"moved, {kind}, alike", others, others[held])

@@ -5,7 +5,7 @@
 Simulates drags with twist until sliding on a pad of 4 x 4 tactels, from pure drags to pure twists. Prints the tables of
 docs/notebook/2026-11-23-torque.md; --figure draws its figure. Some minutes on two cores.
 
-Usage: docs/torque.py [--build build] [--contacts 20000] [--seeds 2] [--history 4] [--figure FILE.svg] [--check]
+Usage: docs/studies/torque.py [--build build] [--contacts 20000] [--seeds 2] [--history 4] [--figure FILE.svg] [--check]
 --contacts: of the learning set; a fifth as many judge. --check: simulates a few drags, and checks the exact numbers.
 
 An alarm begins at the first step at which the estimate reaches a threshold U; a drag is detected where that is before
@@ -14,13 +14,13 @@ estimate is not below U. U is chosen on the judged set, so that a share of the s
 false": of the detected drags, those whose first alarm is at such a step; they have no lead, which is a median.
 The share of torque of a drag is 0 for a pure drag, 1 for a pure twist: arccos(|Q| / (mu P)) over 90 degrees where
 sliding begins. Debian: python3-h5py, python3-numpy, python3-matplotlib."""
-import argparse
 import pathlib
-import subprocess
 import tempfile
 
 import h5py
 import numpy as np
+
+import study
 
 PAD = """
 [sweep]
@@ -142,19 +142,18 @@ class Drags:
 
 def exact_table(drags):
     """What a perfect reader of |Q| / (mu P) misses, without any network."""
-    lines = ["| share of torque | drags that slide | steps with S > 0.9 | of them " + RATIO + " < 0.5 |", "|---|---|---|---|"]
+    lines = [study.head("share of torque", "drags that slide", "steps with S > 0.9", f"of them {RATIO} < 0.5")]
     late = drags.before & (drags.s > 0.9)
     for kind, name in [*enumerate(QUARTERS), (None, "all")]:
         ours = late & ((drags.kind == kind)[drags.drag] if kind is not None else True) & drags.slides[drags.drag]
         count = np.sum(drags.slides & (drags.kind == kind)) if kind is not None else np.sum(drags.slides)
-        lines.append(f"| {name} | {count} | {np.sum(ours)} | {np.mean(drags.ratio[ours] < 0.5):.3f} |")
+        lines.append(study.row(name, count, np.sum(ours), f"{np.mean(drags.ratio[ours] < 0.5):.3f}"))
     return lines
 
 
 def detection_table(drags, share, readers):
     """A line a reader, where so many of the calm steps are false; means over seeds. readers: {name: [[rows], of each seed]}."""
-    lines = ["| reader | U | " + " | ".join(QUARTERS) + " | all | of them false | lead, steps; share |",
-             "|---" * (len(QUARTERS) + 5) + "|"]
+    lines = [study.head("reader", "U", *QUARTERS, "all", "of them false", "lead, steps; share")]
     spread = 0
     for name, seeds in readers.items():
         cells = []
@@ -166,7 +165,7 @@ def detection_table(drags, share, readers):
             cells.append([limit, *kinds, np.mean(on[drags.slides]), np.mean(false[on]), np.median(steps[led]), np.median(way[led])])
         *numbers, steps, way = np.mean(cells, axis=0)
         spread = max(spread, np.ptp(np.array(cells)[:, -4]))
-        lines.append(f"| {name} | " + " | ".join(f"{x:.3f}" for x in numbers) + f" | {steps:.1f}; {way:.2f} |")
+        lines.append(study.row(name, *(f"{x:.3f}" for x in numbers), f"{steps:.1f}; {way:.2f}"))
     return [*lines, "", f"Seeds differ by {spread:.3f} in all drags at most."]
 
 
@@ -184,23 +183,19 @@ def check(drags):
 
 def draw(path, title, curves):
     """ROC curves: {title of a panel: {reader: ([false steps], [detected])}}."""
-    import matplotlib.pyplot as plt
-    plt.rcParams["svg.fonttype"] = "none"
-    figure, panels = plt.subplots(1, len(curves), figsize=(9, 3.8), squeeze=False, layout="constrained")
+    figure, panels = study.panels(1, len(curves), figsize=(9, 3.8), squeeze=False)
     figure.suptitle(title)
     for axes, (panel, readers) in zip(panels[0], curves.items()):
         for k, (reader, points) in enumerate(readers.items()):
             axes.plot(*points, ("C0", "C1")[k % 2] + ("-", "--")[k // 2 % 2], label=reader.replace("\\", ""))
         axes.set(title=panel, xlim=(0, 0.3), ylim=(0, 1), xlabel="steps with S < 0.7 that are false",
                  ylabel="drags detected before sliding")
-        axes.grid(alpha=0.3)
         axes.legend(loc="lower right")
-    figure.savefig(path)
+    study.save(figure, path)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--build", type=pathlib.Path, default="build")
+    parser = study.options(__doc__)
     parser.add_argument("--contacts", type=int, default=20000)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--history", type=int, default=4)
@@ -208,13 +203,12 @@ def main():
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
 
-    def tactel(*arguments):
-        subprocess.run([options.build / "tactel", *map(str, arguments), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    tactel = study.Program(options.build)
 
     def made(folder, name, contacts, seed, chain):
         sweep = folder / f"{name}.toml"
         sweep.write_text(PAD.format(contacts=contacts, seed=seed) + LOADS + chain)
-        tactel("generate", sweep, "--rung", "pad-8", "--output", folder / f"{name}.h5")
+        tactel("generate", sweep, "--rung", "pad-8", "--output", folder / f"{name}.h5", "--quiet")
         return folder / f"{name}.h5"
 
     with tempfile.TemporaryDirectory() as temporary:
@@ -232,8 +226,8 @@ def main():
             for target, name in (("slip_index", "network of S"), ("force_ratio", f"network of {RATIO}")):
                 networks = folder / f"{chain}_{target}"
                 tactel("train", learning, "--target", target, "--seeds", options.seeds, *TRAINING, "--history", options.history,
-                       "--network", f"{INPUTS * options.history}-{HIDDEN}", "--output", networks)
-                tactel("recall", networks, judged, "--rows", folder / "rows.csv")
+                       "--network", f"{INPUTS * options.history}-{HIDDEN}", "--output", networks, "--quiet")
+                tactel("recall", networks, judged, "--rows", folder / "rows.csv", "--quiet")
                 rows = np.genfromtxt(folder / "rows.csv", delimiter=",", skip_header=1)
                 rows = rows[np.isin(rows[:, 0], drags.of_set)]
                 assert np.array_equal(rows[:, 0], drags.of_set) and np.all(np.isfinite(rows)), "a row without an answer"

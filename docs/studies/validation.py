@@ -3,31 +3,21 @@
 """Compares tactel with closed forms, and its patch with its mesh: prints tables such as those of
 docs/notebook/2026-11-23-validation.md and docs/pads-validation.md and draws their figures, docs/validation_*.svg.
 
-Usage: PYTHONPATH=build/python docs/validation.py [NAME...]  (the sections to run, all by default)
-Pads are solved by the program build/tactel, or $TACTEL.
+Usage: PYTHONPATH=build/python docs/studies/validation.py [--build build] [NAME...]  (the sections to run, all by default)
+Pads are solved by the program.
 Lengths are in mm, stresses in MPa, forces in N/mm. Debian: python3-numpy, python3-matplotlib."""
 import json
-import os
 import pathlib
-import subprocess
-import sys
 import tempfile
 
-import matplotlib
 import numpy as np
 
+import study
 import tactel
+from study import BLUE, EXACT, GREEN, ORANGE
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
-
-DOCS = pathlib.Path(__file__).resolve().parent
 PATCHES = ("patch-8", "patch-12", "patch-16", "patch-24", "reference")
 ELEMENTS = {"patch-8": 8, "patch-12": 12, "patch-16": 16, "patch-24": 24, "reference": 120}
-EXACT, BLUE, ORANGE, GREEN = "#222222", "#1f5fa8", "#d9660a", "#2e7d32"
-plt.rcParams.update({"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True,
-                     "legend.frameon": False, "svg.fonttype": "none", "svg.hashsalt": "tactel",
-                     "font.family": "DejaVu Sans", "lines.markersize": 5, "figure.facecolor": "white"})
 
 E, NU, R, MU = 2.0, 0.5, 10.0, 0.5  # of the half-plane; at nu = 1/2 pressure and shear are not coupled
 H = 1000.0
@@ -37,11 +27,11 @@ SOFTNESS = 2 / (np.pi * STIFFNESS)  # displacement under a line force, to the fa
 
 
 def figure(name, panels=2):
-    shown, axes = plt.subplots(1, panels, figsize=(4.2 * panels, 3.3), layout="constrained")
+    shown, axes = study.panels(1, panels, figsize=(4.2 * panels, 3.3))
 
     def save():
-        path = DOCS / f"validation_{name}.svg"
-        shown.savefig(path, metadata={"Date": None})
+        path = study.DOCS / f"validation_{name}.svg"
+        study.save(shown, path)
         print(f"  {path.name}: {path.stat().st_size / 1000:.0f} kB\n")
 
     return axes, save
@@ -432,8 +422,7 @@ indentation = {depth}
     with tempfile.TemporaryDirectory() as folder:
         file, answer = pathlib.Path(folder) / "pad.toml", pathlib.Path(folder) / "pad.json"
         file.write_text(scene)
-        subprocess.run([os.environ.get("TACTEL", DOCS.parent / "build/tactel"), "solve", file, "--rung", rung,
-                        "--json", answer], check=True, capture_output=True)
+        program("solve", file, "--rung", rung, "--json", answer)
         return json.loads(answer.read_text())
 
 
@@ -539,5 +528,9 @@ SECTIONS = {section.__name__: section for section in (
     hertz, cattaneo, reversal, punch, layer, balance, convergence, agreement, pad, pad_line)}
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or SECTIONS:
+    parser = study.options(__doc__)
+    parser.add_argument("sections", nargs="*", metavar="NAME", choices=[*SECTIONS, []])
+    chosen = parser.parse_args()
+    program = study.Program(chosen.build)
+    for name in chosen.sections or SECTIONS:
         SECTIONS[name]()

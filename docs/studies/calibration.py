@@ -7,11 +7,10 @@ tactel records them, tares, calibrates, and reads S of other drags with a networ
 elements in finer load steps (`solve --solver full-mesh`), and from the measuring chain and the wire format below; the
 calibration fits contacts on patches. Both share the scene file and nothing else.
 
-Usage: docs/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
+Usage: docs/studies/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
 --check: one sensor, a small network, and bounds on the errors; a test. The work directory keeps answers of the finite
 elements and the network. Lengths are in mm, stresses in MPa, forces in N/mm, times in s. Debian: python3-numpy,
 libumockdev-preload0."""
-import argparse
 import concurrent.futures
 import dataclasses
 import json
@@ -22,6 +21,8 @@ import sys
 import tempfile
 
 import numpy as np
+
+import study
 
 TACTELS, SPAN = 8, 17.0
 MU = 0.5
@@ -101,14 +102,7 @@ class Truth:
 
 class Chain:
     def __init__(self, options, work):
-        self.work, self.build = work, options.build.resolve()
-        self.program = str(self.build / "tactel")
-
-    def run(self, *words, **more):
-        done = subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, **more)
-        if done.returncode != 0:
-            raise SystemExit(f"tactel {' '.join(map(str, words))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
-        return done.stdout
+        self.work, self.run = work, study.Program(options.build)
 
     def answer(self, press, rubber):
         """Stress [knots, channels], S and P [knots] of a press by the full mesh at E = 1; kept in a file."""
@@ -242,8 +236,8 @@ class Sensor:
         stream, length = frames_of(codes)
         self.path("frames").write_bytes(stream)
         self.path("factory.toml").write_text(profile_text(GAIN, OFFSET))
-        player = [str(self.chain.build / "tactel_play_frames"), str(self.path("frames")), str(length), str(RATE)]
-        command = [self.chain.program, "record", "--source", "usb:1209:0002", "--profile", str(self.path("factory.toml")),
+        player = [self.chain.run.path.with_name("tactel_play_frames"), str(self.path("frames")), str(length), str(RATE)]
+        command = [self.chain.run.path, "record", "--source", "usb:1209:0002", "--profile", str(self.path("factory.toml")),
                    "--output", str(self.path("all.tactel")), "--frames", str(self.path("all.csv")), "--force",
                    "--seconds", str(at[-1] + 1.0)]
         for _ in range(10):
@@ -338,7 +332,7 @@ def rows_of(together, function, items):
 def row(name, values):
     """A line of a table: mean and worst of each column. values: [sensors, columns]."""
     cells = (f"{np.mean(column):.3f} ({np.max(column):.3f})" for column in np.transpose(values))
-    print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+    print(study.row(name, *cells), flush=True)
 
 
 def stages(sensor, network):
@@ -353,8 +347,7 @@ def table_of_cases(chain, network, sensors, together, cases=CASES):
         for seed in range(min(sensors, 4)):
             for press in presses + test_drags:
                 chain.answer(press, case.rubber_of(seed))
-    print("| unknown | factory values | after `tare` | after `calibrate` | true values | gains off by |")
-    print("|---|---|---|---|---|---|")
+    print(study.head("unknown", "factory values", "after `tare`", "after `calibrate`", "true values", "gains off by"))
     for case in cases:
         made = rows_of(together, lambda seed: Sensor(chain, case, seed, presses, test_drags), range(sensors))
         row(case.name, rows_of(3, lambda sensor: stages(sensor, network), made))
@@ -371,8 +364,7 @@ def table_of_calibrations(chain, network, sensors, together):
                 abs(sensor.found("poisson", "again") - sensor.truth.rubber["poisson"])]
 
     made = rows_of(together, lambda seed: Sensor(chain, CASES[2], seed, known_presses(10), drags(6)), range(sensors))
-    print("| calibration of the third line | error of S | gains off by | nu off by |")
-    print("|---|---|---|---|")
+    print(study.head("calibration of the third line", "error of S", "gains off by", "nu off by"))
     for name, how in {"thickness held at 1.5 mm": {}, "thickness measured": {"measured": True},
                       "thickness fitted": {"fit": "thickness = true"}, "nu held at 0.45": {"fit": "poisson = false"},
                       "without forces": {"forces": False}, "5 of the 10 presses": {"every": 2}}.items():
@@ -401,8 +393,7 @@ def check(chain):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
+    parser = study.options(__doc__)
     parser.add_argument("--sensors", type=int, default=12)
     parser.add_argument("--together", type=int, default=6, help="sensors that send at once")
     parser.add_argument("--check", action="store_true", help="one sensor, with bounds")
