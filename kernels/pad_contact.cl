@@ -70,7 +70,7 @@ typedef struct {
   Masks window[COUNT];
   Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
   Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
-  int list[COUNT], at[COUNT], listed; /* cells in the window of any lane: index, place in a shared table */
+  int list[COUNT], at[COUNT], listed; /* cells in the window of lanes that sweep: index, place in a shared table */
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
 } Cells;
 
@@ -157,19 +157,25 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
   }
 }
 
-/* Cells in the window of any lane, in the order of their index. */
-static void list_cells(Cells *c) {
-  c->listed = 0;
-  for (int x = 0; x < CELLS; ++x) c->from[x] = c->to[x] = 0;
-  for (int i = 0; i < COUNT; ++i) {
-    vint any = c->window[i].v[0];
-    for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v];
-    if (!ANY(any)) continue;
-    if (c->to[i / CELLS] == 0) c->from[i / CELLS] = i;
-    c->to[i / CELLS] = i + 1;
-    c->list[c->listed] = i;
-    c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
+/* Cells in the window of any of these lanes, in the order of their index. */
+static void list_cells(const Masks *lanes, Cells *c) {
+  int listed = 0;
+  for (int x = 0; x < CELLS; ++x) {
+    int from = 0, to = 0;
+    for (int i = x * CELLS; i < (x + 1) * CELLS; ++i) {
+      vint any = c->window[i].v[0] & lanes->v[0];
+      for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v] & lanes->v[v];
+      const int found = ANY(any);
+      c->list[listed] = i;
+      c->at[listed] = PAD_INFLUENCE * (x * SPAN + i - x * CELLS);
+      listed += found;
+      from = found && to == 0 ? i : from;
+      to = found ? i + 1 : to;
+    }
+    c->from[x] = from;
+    c->to[x] = to;
   }
+  c->listed = listed;
 }
 
 static inline int any_of(const Masks *m) {
@@ -210,19 +216,25 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
       largest.v[v] = PICK(mine, LARGER(n, largest.v[v]), largest.v[v]);
     }
   }
+  Masks left;
   EACH_VECTOR(v) {
     const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
     const vreal usual = ALL_LANES((real)most_sweeps),
                 most = PICK(s->lost.v[v], SMALLER(usual, ALL_LANES(DAMPED_AFTER)), usual);
     const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= most);
     s->failed.v[v] |= out;
+    left.v[v] = s->active.v[v] & (settled | out);
     s->active.v[v] &= NOT(settled | out);
   }
+  if (any_of(&left)) list_cells(&s->active, c);
 }
 
-/* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes
-   go on. */
+/* Fresh sums at all cells, by those of all lanes. Cells of lanes that solve which are penetrated outside their window
+   join it; these lanes go on. */
 OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
+  Masks all;
+  EACH_VECTOR(v) { all.v[v] = ~(vint)0; }
+  list_cells(&all, c);
   ROLLED for (int i = 0; i < COUNT; ++i)
       displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
@@ -232,7 +244,6 @@ OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, S
     c->window[i].v[v] |= joins;
     s->active.v[v] |= joins;
   }
-  list_cells(c);
 }
 
 /* ratio^(1 / power), between 0.1 and 10. */
@@ -400,7 +411,6 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
     const vint pressed = (c->n[i].v[v] > 0) | (moves & (touches.v[v] > 0) & (c->open[i].v[v] < c->uz[i].v[v]));
     c->window[i].v[v] = pressed;
   }
-  list_cells(c);
 }
 
 /* Ends an increment: where a cell sticks from next. */
@@ -656,7 +666,6 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   State s;
   check_input(lane_input, path, heights, increments, &s);
   c.listed = 0;
-  for (int i = 0; i < CELLS; ++i) c.from[i] = c.to[i] = 0;
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
@@ -686,6 +695,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     if (!any_of(&s.running)) break;
     start_increment(&influence, path, heights, increments, k, &c, &s, &solving);
     do {
+      list_cells(&s.active, &c);
       while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
       widen(&influence, &solving, &c, &s);
       if (any_of(&s.active)) continue;
