@@ -15,7 +15,7 @@
 namespace tactel {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 static_assert(int(NodeStatus::open) == int(fem::GapStatus::open) && int(NodeStatus::slip) == int(fem::GapStatus::slip));
 static_assert(int(NodeStatus::stick) == int(fem::GapStatus::stick));
@@ -27,7 +27,7 @@ template <class To, class From>
 void assign(To& to, const From& from) {
   const auto assign_each = [](auto& member, const auto& value) { assign(member, value); };
   if constexpr (std::is_same_v<From, std::optional<double>>)
-    to = from.value_or(nan);
+    to = from.value_or(undefined);
   else if constexpr (requires { host::residuals(to); })
     host::each_pair(host::residuals(to), host::residuals(from), assign_each);
   else if constexpr (std::is_same_v<From, std::vector<fem::GapStatus>>)
@@ -81,8 +81,7 @@ PadPath path_of(const host::PadOutcome& outcome) {
   path.rung = outcome.rung.name;
   if (const auto& error = outcome.error) {
     const host::AnswerError& e = error->expected;
-    path.error = {e.S, error->largest, error->scenes, error->outside, e.P, e.Q,
-                  e.M,          e.sigma,        e.tau,         error->from};
+    path.error = {e.S, error->largest, error->scenes, error->outside, e.P, e.Q, e.M, e.sigma, e.tau, error->from};
   }
   return path;
 }
@@ -105,7 +104,7 @@ Derivatives derivatives_of(const host::ContactDerivatives& from) {
       const fem::PathAnswer& a = by[k];
       all.P.push_back(a.P);
       all.Q.push_back(a.Q);
-      all.slip_index.push_back(a.S.value_or(nan));
+      all.slip_index.push_back(a.S.value_or(undefined));
       all.indentation.push_back(a.depth);
       all.tangential.push_back(a.x);
       append(all.sigma_y, a.frame.head(a.frame.size() / 2));

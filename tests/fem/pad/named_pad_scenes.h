@@ -14,7 +14,7 @@ namespace tactel::fem {
 inline PadScene scene_of(const PadShape& shape, double depth, double H, double nu, double mu,
                          std::vector<std::array<double, 3>> drags) {
   PadScene scene;
-  scene.sensor = {.thickness = H, .young = 1, .poisson = nu, .tactels = {3, 3}, .pitch = {1, 0.5}};
+  scene.sensor = {.tactels = {3, 3}, .pitch = {1, 0.5}, .thickness = H, .young = 1, .poisson = nu};
   scene.indenter.shape = shape;
   scene.friction = mu;
   scene.load = {.indentation = {depth}, .indentation_steps = 2, .drags = std::move(drags)};

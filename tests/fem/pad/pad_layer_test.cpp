@@ -280,7 +280,7 @@ TEST(PadLayer, SharesOfACellReproduceCubicPressures) {
 // of 2 H, and half at 3 H.
 TEST(PadLayer, WideCellsBearThinIncompressibleRubber) {
   PadScene scene;
-  scene.sensor = {.thickness = 1, .young = 1, .poisson = 0.5, .tactels = {1, 1}};
+  scene.sensor = {.tactels = {1, 1}, .thickness = 1, .young = 1, .poisson = 0.5};
   scene.friction = 0.6;
   scene.load.indentation = {0.1};
   const PadLayer layer(0.5);

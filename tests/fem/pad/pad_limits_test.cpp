@@ -84,7 +84,7 @@ TEST(PadLimits, IncrementsConvergeAtFirstOrder) {
           .tolerance = 1e-6, .pressing_increments = 4 << k, .drag_increments = 1 << k, .limit_increments = 0};
       paths[k] = PadSolver(layer, options).solve_on(laid.cells, scene);
     }
-    for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).slip_index;
+    for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).S;
   }
   EXPECT_NEAR(off[0] / off[1], 2, 0.4);  // errors c / increments
 }

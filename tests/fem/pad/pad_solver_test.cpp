@@ -443,7 +443,7 @@ TEST(PadSolver, SubstepsConvergeAtFirstOrder) {
           .solve_on(laid.cells, of.scene);
     };
     const std::array paths = {solved(8), solved(16), solved(32)};
-    for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).slip_index;
+    for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).S;
   }
   EXPECT_NEAR(off[0] / off[1], 2, 0.4);  // errors c / increments; numbers of increments are rounded up
 }

@@ -52,7 +52,7 @@ std::string file_of(const fem::PadScene& scene) {
 
 fem::PadScene dragged(double x = 0, double y = 0, double yaw = 0) {
   fem::PadScene scene;
-  scene.sensor = {.thickness = 2, .young = 1, .poisson = 0.45, .tactels = {4, 4}, .pitch = {2, 2}};
+  scene.sensor = {.tactels = {4, 4}, .pitch = {2, 2}, .thickness = 2, .young = 1, .poisson = 0.45};
   scene.indenter = {.shape = fem::Paraboloid{{12, 6}}, .position = {x, y}, .yaw = yaw};
   scene.load = {.indentation = {0.2}, .drags = {{0.05, 0.02, 0.02}, {0.1, 0.1, 0.03}}};
   return scene;
@@ -158,7 +158,7 @@ TEST(PadSolve, AMirroredSceneHasTheMirroredAnswer) {
 /// A sharp box, 4 mm wide, at x: its cells reach 0.15 of 4 / 11.7 mm beyond its edge.
 fem::PadScene box_at(double x, double yaw = 0) {
   fem::PadScene scene;
-  scene.sensor = {.thickness = 2, .tactels = {4, 4}, .pitch = {2, 2}};
+  scene.sensor = {.tactels = {4, 4}, .pitch = {2, 2}, .thickness = 2};
   scene.sensor.length = 20;
   scene.indenter = {.shape = fem::Box{{2, 2}, 0}, .position = {x, 0}, .yaw = yaw};
   return scene;

@@ -31,7 +31,7 @@ Executor& executor() {
 }
 
 fem::PadSensor sensor_of(double poisson) {
-  return {.thickness = 2, .young = 1.5, .poisson = poisson, .tactels = {4, 5}, .pitch = {1.5, 1.2}};
+  return {.tactels = {4, 5}, .pitch = {1.5, 1.2}, .thickness = 2, .young = 1.5, .poisson = poisson};
 }
 
 std::vector<fem::PadScene> mix(const fem::PadSensor& sensor, std::size_t count, unsigned seed) {
