@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/pad/pad_solver.h"
 #include "host/answers/rung_error.h"
 #include "host/contact/pad_rung.h"
 
