@@ -13,23 +13,22 @@
 namespace tactel {
 namespace {
 
-/// Of a path that solve() returned.
-template <class Kind, class AnyPath>
-const Kind& answer_of(const AnyPath& path) {
+/// The answer of a path that solve() returned.
+template <class Kind>
+const Kind& answer_of(const auto& path) {
   if (path.outcome.state() == nullptr) throw ValueError("path", "one without its scene", "an answer of solve()");
   return std::get<Kind>(*path.outcome.state()->of);
 }
 
-template <class Kind>
-std::size_t checked(std::optional<std::size_t> step, const Kind& outcome, std::size_t usual) {
+std::size_t checked(std::optional<std::size_t> step, const auto& outcome, std::size_t usual) {
   const std::size_t steps = outcome.solution.steps.size();
   if (step && *step >= steps)
     throw ValueError("step", std::to_string(*step), "a load step from 0 to " + std::to_string(steps - 1));
   return step.value_or(usual);
 }
 
-template <class Kind, class AnyPath>
-std::string page_of(const AnyPath& path, std::optional<std::size_t> step) {
+template <class Kind>
+std::string page_of(const auto& path, std::optional<std::size_t> step) {
   return api::with_public_errors([&] {
     const auto& outcome = answer_of<Kind>(path);
     return host::answer_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();

@@ -25,11 +25,10 @@ std::vector<double> numbers(const auto& from) { return {from.begin(), from.end()
 /// Sets a member of a public step to the value of a step of fem.
 template <class To, class From>
 void assign(To& to, const From& from) {
-  const auto assign_each = [](auto& member, const auto& value) { assign(member, value); };
   if constexpr (std::is_same_v<From, std::optional<double>>)
     to = from.value_or(undefined);
   else if constexpr (requires { host::residuals(to); })
-    host::each_pair(host::residuals(to), host::residuals(from), assign_each);
+    host::each_pair(host::residuals(to), host::residuals(from), [](double& law, double value) { law = value; });
   else if constexpr (std::is_same_v<From, std::vector<fem::GapStatus>>)
     for (const fem::GapStatus status : from) to.push_back(static_cast<NodeStatus>(status));
   else if constexpr (std::is_same_v<From, Eigen::Vector2d>)
