@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "host/sets/set_counts.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {
@@ -13,8 +14,7 @@ struct ChunkHeader {
   static constexpr std::uint64_t right_magic = 0x386c6f6f70736c74;  // "tlspool8"
 
   std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
-  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, near_edge = 0, unseen = 0,
-                wide_cells = 0, never_slid = 0, coarse = 0;
+  SetCounts counts{};
   std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
   std::uint64_t header_sum = 0;   ///< checksum of the preceding members
 

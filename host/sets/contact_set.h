@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/sets/set_counts.h"
 #include "nn/frame_set.h"
 
 namespace tactel::host {
@@ -35,7 +36,7 @@ struct SetColumns {
 inline constexpr int coarse_row = 3;
 
 /// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
-struct ContactSet : SetColumns {
+struct ContactSet : SetColumns, SetCounts {
   ContactSet() = default;
   explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}
 
@@ -64,18 +65,8 @@ struct ContactSet : SetColumns {
   std::string transducer;                   ///< attribute: measuring chain of the stresses, nn::description
   bool press_rows = false;                  ///< attribute: the load steps of the pressing are rows, too
   std::uint64_t seed = 0;                   ///< attribute
-  std::uint64_t fell_back = 0;              ///< attribute: contacts solved by the exact fallback
-  std::uint64_t unsolved = 0;               ///< attribute: contacts with a load step over tolerance
   std::uint64_t contacts = 0;               ///< attribute: contacts that were simulated
-  std::uint64_t without_rows = 0;           ///< attribute: contacts without a row, because mu P = 0 in every step
-  std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
-  std::uint64_t too_deep = 0;    ///< contacts indented beyond the depth to which rubber is linear; not in the file
-  std::uint64_t far_slip = 0;    ///< contacts that slide beyond slip_limit; not in the file
-  std::uint64_t near_edge = 0;   ///< contacts of outside_edges; not in the file
-  std::uint64_t unseen = 0;      ///< of outside_tactels
-  std::uint64_t wide_cells = 0;  ///< of outside_cells
-  std::uint64_t coarse = 0;      ///< rows that are marked so; not in the file
-  std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
+  std::string plan;  ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
 
   std::size_t rows() const { return slip_index.size(); }
   /// Returns which datasets a file of this set has: all but those left out and those of later versions that are empty.
