@@ -50,17 +50,17 @@ void ChannelMap::validate(std::size_t channels) const {
   for (std::size_t place = 0; place < places(); ++place) {
     if (channel(place) < 0) continue;
     const auto c = static_cast<std::size_t>(channel(place));
-    const std::string of = " for " + channel_text(place);
+    const std::string whose = " for " + channel_text(place);
     const double gain = calibration.gain[c], offset = calibration.offset[c];
     require(std::abs(gain) >= least_gain && std::abs(gain) <= most_gain, "calibration.gain", text_of(gain),
-            "MPa by the device's unit" + of + ", " + text_of(least_gain) + " to " + text_of(most_gain) +
+            "MPa by the device's unit" + whose + ", " + text_of(least_gain) + " to " + text_of(most_gain) +
                 " or minus that; a tactel without a channel has -1 in [channels]");
     require(std::abs(offset) <= most_offset, "calibration.offset", text_of(offset),
-            "a reading at rest" + of + ", at most " + text_of(most_offset));
+            "a reading at rest" + whose + ", at most " + text_of(most_offset));
     if (calibration.noise.empty()) continue;
     const double noise = calibration.noise[c];
     require(noise * std::abs(gain) <= most_noise, "calibration.noise", text_of(noise),
-            "a standard deviation at rest" + of + ", at most " + text_of(most_noise) + " MPa by its gain, " +
+            "a standard deviation at rest" + whose + ", at most " + text_of(most_noise) + " MPa by its gain, " +
                 text_of(most_noise / std::abs(gain)));
   }
 }

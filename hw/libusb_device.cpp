@@ -145,9 +145,10 @@ std::unique_ptr<LibusbDevice> try_to_open(libusb_device* usb, const UsbDevice& w
 }
 
 /// Whether a device of this class may send frames of a sensor: the vendor's own classes, and serial ports.
-bool may_be_sensor(std::uint8_t of) {
-  return of == LIBUSB_CLASS_PER_INTERFACE || of == LIBUSB_CLASS_COMM || of == LIBUSB_CLASS_DATA ||
-         of == LIBUSB_CLASS_VENDOR_SPEC || of == 0xEF;  // miscellaneous: several interfaces
+bool may_be_sensor(std::uint8_t device_class) {
+  return device_class == LIBUSB_CLASS_PER_INTERFACE || device_class == LIBUSB_CLASS_COMM ||
+         device_class == LIBUSB_CLASS_DATA || device_class == LIBUSB_CLASS_VENDOR_SPEC ||
+         device_class == 0xEF;  // miscellaneous: several interfaces
 }
 
 /// The device as a list has it; none where no interface may send frames.

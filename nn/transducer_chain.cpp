@@ -68,11 +68,11 @@ double spread_of(const std::optional<double>& from, double to, std::uint32_t wor
 
 /// The numbers of a sensor, in place of their ranges.
 Transducer of_sensor(Transducer t, std::uint64_t instance) {
-  const auto own = [&](std::uint32_t which) { return words(t.seed, RandomStream::spread, instance, which); };
+  const auto drawn = [&](std::uint32_t which) { return words(t.seed, RandomStream::spread, instance, which); };
   const auto choose = [](const std::optional<double>& from, double& to, std::uint32_t word) {
     to = spread_of(from, to, word);
   };
-  const PhiloxCounter electric = own(0), skin = own(2), late = own(3);
+  const PhiloxCounter electric = drawn(0), skin = drawn(2), late = drawn(3);
   choose(t.gain_spread_from, t.gain_spread, electric[0]);
   choose(t.offset_spread_from, t.offset_spread, electric[1]);
   choose(t.noise_from, t.noise, electric[2]);
@@ -86,7 +86,7 @@ Transducer of_sensor(Transducer t, std::uint64_t instance) {
   choose(t.memory_time_from, t.memory_time, late[3]);
   if (t.bits_from) {
     const auto count = static_cast<std::uint64_t>(t.bits) - static_cast<std::uint64_t>(*t.bits_from) + 1;
-    t.bits = *t.bits_from + static_cast<int>(own(1)[0] * count >> 32);
+    t.bits = *t.bits_from + static_cast<int>(drawn(1)[0] * count >> 32);
   }
   return t;
 }

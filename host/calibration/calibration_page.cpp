@@ -36,16 +36,6 @@ std::vector<Kind> kinds(const SensorCalibration& found) {
   return all;
 }
 
-/// Root of the mean square of the finite numbers; NaN without any.
-template <class Values>
-double rms(const Values& values) {
-  double sum = 0, n = 0;
-  for (Index i = 0; i < values.rows(); ++i)
-    for (Index k = 0; k < values.cols(); ++k)
-      if (std::isfinite(values(i, k))) sum += values(i, k) * values(i, k), n += 1;
-  return n > 0 ? std::sqrt(sum / n) : NAN;
-}
-
 /// Relative deviations of gains; NaN where a transducer was left out.
 std::vector<double> gain_deviations(const SensorCalibration& found) {
   std::vector<double> all;
@@ -108,16 +98,11 @@ Figure residual_map(const SensorCalibration& found, const std::vector<KnownPress
 
 PageTable number_table(const SensorCalibration& found) {
   PageTable table{.caption = "Numbers of the sensor", .head = {"number", "value", "standard deviation", "unit"}};
-  const auto add = [&table](const char* name, const Fitted& number, const char* unit) {
-    table.add({name, fmt::format("{:.5g}", number.value),
-               number.deviation > 0 ? fmt::format("{:.2g}", number.deviation) : "held", unit});
-  };
-  add("sensor.young", found.young, "MPa");
-  add("sensor.poisson", found.poisson, "");
-  add("sensor.thickness", found.thickness, "mm");
-  add("shift of the tactels", found.shift, "mm");
-  if (found.pad) add("shift along y", found.shift_y, "mm");
-  if (std::isfinite(found.time_constant.value)) add("transducer.time_constant", found.time_constant, "s");
+  for (const PressNumber number : numbers_of(found)) {
+    const auto& [value, deviation] = found.*found_numbers[number];
+    table.add({sensor_table[number].label, fmt::format("{:.5g}", value),
+               deviation > 0 ? fmt::format("{:.2g}", deviation) : "held", sensor_table[number].unit});
+  }
   return table;
 }
 
@@ -156,10 +141,10 @@ PageTable gain_table(const SensorCalibration& found) {
 
 void add_verdict(Page& page, const SensorCalibration& found) {
   const std::vector<double> deviations = gain_deviations(found);
-  const auto known = std::ranges::count_if(deviations, [](double d) { return std::isfinite(d); });
+  const auto found_gains = std::ranges::count_if(deviations, [](double d) { return std::isfinite(d); });
   const auto unsure = std::ranges::count_if(deviations, [](double d) { return d > 0.2; });
   page.verdict(found.converged ? fmt::format("Gains of {} of {} transducers are found, with a median deviation of {}.",
-                                             known, deviations.size(), percent(median(deviations)))
+                                             found_gains, deviations.size(), percent(median(deviations)))
                                : std::string("The fit did not converge; its numbers say nothing."));
   page.finding(
       found.converged ? Tone::good : Tone::poor, "fit",

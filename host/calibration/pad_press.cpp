@@ -127,8 +127,8 @@ PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const 
 }
 
 PressFrames PadPress::solve(const SensorState& state, const fem::PadScene& scene) const {
-  const fem::PadScene there = at_state(scene, state);
-  const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(state.poisson), options_).solve_on(cells_, there);
+  const fem::PadScene moved = at_state(scene, state);
+  const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(state.poisson), options_).solve_on(cells_, moved);
   const auto steps = static_cast<Eigen::Index>(solution.steps.size());
   PressFrames result;
   result.frame.resize(steps, channels_of(scene_));

@@ -147,8 +147,8 @@ PressFrames LinePress::stresses(const SensorState& state, double friction, std::
       minus.poisson = std::max(state.poisson - poisson_step, family_.range().poisson_low);
       return difference(plus, minus, plus.poisson - minus.poisson);
     }
-    plus.*sensor_members[number] += length_step;  // the thickness or the shift
-    minus.*sensor_members[number] -= length_step;
+    plus.*sensor_table[number].member += length_step;  // the thickness or the shift
+    minus.*sensor_table[number].member -= length_step;
     return difference(plus, minus, 2 * length_step);
   };
   for (const PressNumber number : numbers)

@@ -18,10 +18,9 @@ namespace tactel::host {
 struct SensorState {
   double log_young = 0;  ///< of E in MPa
   double poisson = 0.45;
-  double thickness = 1.5;  ///< mm
-  double shift = 0;        ///< mm along x, of all tactels from their nominal places
+  double thickness = 1.5;         ///< mm
+  double shift = 0, shift_y = 0;  ///< mm along x and, of a pad, y, of all tactels from their nominal places
   double log_time_constant = std::numeric_limits<double>::infinity();  ///< of RC in s; infinite: no decay
-  double shift_y = 0;                                                  ///< mm along y, of the tactels of a pad
 };
 
 /// A number by which frames have derivatives.
@@ -30,23 +29,34 @@ enum PressNumber {
   poisson_number,
   thickness_number,
   shift_number,
-  time_constant_number,  // its logarithm
   shift_y_number,
-  friction_number,  // of the press
-  tilt_number,      // degrees, of the indenter along its x
-  tilt_y_number,    // and on a pad along its y
-  depth_number,     // mm, the zero of the depth
-  load_number,      // its given forces, relative
-  shape_number,     // the first number of its shape
+  time_constant_number,  // its logarithm
+  friction_number,       // of the press
+  tilt_number,           // degrees, of the indenter along its x
+  tilt_y_number,         // and on a pad along its y
+  depth_number,          // mm, the zero of the depth
+  load_number,           // its given forces, relative
+  shape_number,          // the first number of its shape
   second_shape_number,
   press_numbers  // how many
 };
 inline constexpr int sensor_numbers = friction_number, most_shape_numbers = press_numbers - shape_number;
-inline constexpr const char* sensor_names[sensor_numbers] = {
-    "ln E", "sensor.poisson", "sensor.thickness", "shift", "ln transducer.time_constant", "shift along y"};
-inline constexpr double SensorState::*sensor_members[sensor_numbers] = {
-    &SensorState::log_young, &SensorState::poisson,           &SensorState::thickness,
-    &SensorState::shift,     &SensorState::log_time_constant, &SensorState::shift_y};
+
+/// A number of the sensor.
+struct SensorNumber {
+  const char *key, *label, *unit;  ///< in JSON; for people; of its value
+  const char* fitted;              ///< name of what a fit changes
+  double SensorState::*member;
+  bool logarithm = false;  ///< the member is the number's logarithm
+};
+inline constexpr SensorNumber sensor_table[sensor_numbers] = {
+    {"young", "sensor.young", "MPa", "ln E", &SensorState::log_young, true},
+    {"poisson", "sensor.poisson", "", "sensor.poisson", &SensorState::poisson},
+    {"thickness", "sensor.thickness", "mm", "sensor.thickness", &SensorState::thickness},
+    {"shift", "shift of the tactels", "mm", "shift", &SensorState::shift},
+    {"shift_y", "shift along y", "mm", "shift along y", &SensorState::shift_y},
+    {"time_constant", "transducer.time_constant", "s", "ln transducer.time_constant", &SensorState::log_time_constant,
+     true}};
 
 /// A number of the indenter's shape.
 struct ShapeNumber {

@@ -27,12 +27,26 @@ constexpr double never_found = 0.5;      ///< relative deviation of a gain, with
 constexpr double weight_of_numbers = 4;  ///< beside that of gains: see plan_presses
 constexpr double least_exchange = 1e-9;  ///< of the log determinant
 
-/// Sums over the rows of a press, weighted by noise: those of the normal equations of a fit. Parameters of its readings
-/// are offset, sensitivity and the numbers; the last number is the friction of this press alone.
-struct PressInformation {
-  MatrixXd sums;   ///< [channels, 3]: of 1, stress, stress^2
-  MatrixXd cross;  ///< [channels, 2 numbers]: of 1 and of stress with the numbers
-  MatrixXd own;    ///< [numbers, numbers] all channels and P
+/// Sums over the rows of presses, weighted by noise: those of the normal equations of a fit. Parameters of their
+/// readings are offset, sensitivity and the numbers: the fitted ones, then the friction of each press.
+struct Information {
+  MatrixXd sums;     ///< [channels, 3]: of 1, stress, stress^2
+  MatrixXd cross;    ///< [channels, 2 numbers]: of 1 and of stress with the numbers
+  MatrixXd numbers;  ///< [numbers, numbers] all channels and P
+
+  Information(Index channels, Index size)
+      : sums(MatrixXd::Zero(channels, 3)),
+        cross(MatrixXd::Zero(channels, 2 * size)),
+        numbers(MatrixXd::Zero(size, size)) {}
+  Index size() const { return numbers.rows(); }
+  bool loads(Index channel) const { return sums(channel, 0) > 0; }
+  /// Information on the gain of a channel, and on it with the numbers, [numbers]: the offset eliminated.
+  double gain(Index channel) const {
+    return weak + sums(channel, 2) - sums(channel, 1) * sums(channel, 1) / sums(channel, 0);
+  }
+  Eigen::RowVectorXd gain_cross(Index channel) const {
+    return cross.row(channel).tail(size()) - sums(channel, 1) / sums(channel, 0) * cross.row(channel).head(size());
+  }
 };
 
 class Planner {
@@ -41,15 +55,9 @@ class Planner {
   PressPlan run();
 
  private:
-  void choose_numbers();
-  PressInformation information(const PressCandidate& candidate, const PressFrames& frames) const;
-  /// Sums over a set of presses; numbers of the set: the fitted ones, then the friction of each press.
-  struct Total {
-    MatrixXd sums, cross, own;
-    Index numbers;
-  };
-  Total total(const Set& set) const;
-  MatrixXd eliminated(const Total& sum) const;
+  Information information(const PressCandidate& candidate, const PressFrames& frames) const;
+  Information total(const Set& set) const;
+  MatrixXd eliminated(const Information& sum) const;
   double criterion(const Set& set) const;
   Set choose() const;
   ExpectedDeviations deviations(const Set& set, MatrixXd* correlation = nullptr) const;
@@ -61,8 +69,8 @@ class Planner {
   PlanOptions options_;
   VectorXd noise_;  ///< [channels] MPa
   std::vector<PressNumber> numbers_;
-  std::vector<PressInformation> information_;
-  std::vector<double> P_;  ///< [candidates] N/mm, the largest
+  std::vector<Information> information_;  ///< [candidates]
+  std::vector<double> P_;                 ///< [candidates] N/mm, the largest
 };
 
 Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates,
@@ -73,11 +81,16 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
   const Index channels = 2 * sensor.tactels;
   if (options.noise.size() > 0 && options.noise.size() != channels)
     throw ValueError("noise", fmt::format("{} numbers", options.noise.size()), fmt::format("{} numbers", channels));
-  choose_numbers();
+  const auto by_force =
+      std::ranges::count_if(candidates, [](const PressCandidate& candidate) { return fem::by_force(candidate.scene); });
+  const bool by_depth = by_force < static_cast<std::ptrdiff_t>(candidates.size());
+  numbers_ = fitted_numbers(options.fit, by_depth && (options.forces || by_force > 0), false);
   std::vector<PressNumber> asked = numbers_;
   if (with_friction()) asked.push_back(friction_number);
-  const SensorState nominal{std::log(sensor.young), sensor.poisson, sensor.thickness, 0,
-                            std::log(options.fit.time_constant)};
+  const SensorState nominal{.log_young = std::log(sensor.young),
+                            .poisson = sensor.poisson,
+                            .thickness = sensor.thickness,
+                            .log_time_constant = std::log(options.fit.time_constant)};
   std::vector<PressFrames> frames(candidates.size());
   side_by_side(candidates.size(), options.threads, [&](std::size_t i) {
     const PressCandidate& candidate = candidates[i];
@@ -102,85 +115,69 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
   }
 }
 
-/// As the calibration chooses them (Fit::choose_numbers).
-void Planner::choose_numbers() {
-  const CalibrationOptions& fit = options_.fit;
-  const auto by_force = std::ranges::count_if(
-      candidates_, [](const PressCandidate& candidate) { return fem::by_force(candidate.scene); });
-  const bool by_depth = by_force < static_cast<std::ptrdiff_t>(candidates_.size());
-  if (by_depth && (options_.forces || by_force > 0)) numbers_.push_back(young_number);
-  if (fit.fit_poisson) numbers_.push_back(poisson_number);
-  if (fit.fit_thickness) numbers_.push_back(thickness_number);
-  if (fit.fit_shift) numbers_.push_back(shift_number);
-  if (fit.fit_time_constant) numbers_.push_back(time_constant_number);
-}
-
-PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
+Information Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
   const Index channels = noise_.size(), steps = frames.frame.rows(), size = fitted() + 1;
-  PressInformation result{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * size), MatrixXd::Zero(size, size)};
+  Information result(channels, size);
   const auto number_of = [&](Index k) {
     return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number;
   };
-  const Index known = with_friction() ? size : fitted();
+  const Index unknowns = with_friction() ? size : fitted();
   MatrixXd by = MatrixXd::Zero(steps, size);
   for (Index c = 0; c < channels; ++c) {
     if (!std::isfinite(noise_[c]) || steps == 0) continue;
     const VectorXd stress = frames.frame.col(c);
     const double weight = 1 / (noise_[c] * noise_[c]);
-    for (Index k = 0; k < known; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
+    for (Index k = 0; k < unknowns; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
     result.sums.row(c) << static_cast<double>(steps), stress.sum(), stress.squaredNorm();
     result.cross.row(c).head(size) = by.colwise().sum();
     result.cross.row(c).tail(size) = stress.transpose() * by;
     result.sums.row(c) *= weight;
     result.cross.row(c) *= weight;
-    result.own += weight * by.transpose() * by;
+    result.numbers += weight * by.transpose() * by;
   }
   if (options_.forces) {  // the gauge's error is one for all forces of a press
     VectorXd P_by = VectorXd::Zero(size);
     double n = 0;
     for (Index row = 0; row < steps; ++row) {
       if (!(frames.P[row] > 0)) continue;
-      for (Index k = 0; k < known; ++k) P_by[k] += frames.P_by[number_of(k)][row] / frames.P[row];
+      for (Index k = 0; k < unknowns; ++k) P_by[k] += frames.P_by[number_of(k)][row] / frames.P[row];
       n += 1;
     }
-    result.own += P_by * P_by.transpose() / std::pow(std::max(n, 1.0) * options_.fit.force_noise, 2);
+    result.numbers += P_by * P_by.transpose() / std::pow(std::max(n, 1.0) * options_.fit.force_noise, 2);
   }
   const double friction = options_.fit.friction_deviation * candidate.scene.friction;
-  result.own(size - 1, size - 1) += friction > 0 && std::isfinite(friction) ? 1 / (friction * friction) : 1;
+  result.numbers(size - 1, size - 1) += friction > 0 && std::isfinite(friction) ? 1 / (friction * friction) : 1;
   return result;
 }
 
-Planner::Total Planner::total(const Set& set) const {
-  const Index channels = noise_.size(), m = fitted(), size = m + 1;
-  const Index numbers = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
-  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers),
-            numbers};
+Information Planner::total(const Set& set) const {
+  const Index m = fitted(), size = m + 1, all = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
+  Information sum(noise_.size(), all);
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const PressInformation& press = information_[set[i]];
+    const Information& press = information_[set[i]];
     sum.sums += press.sums;
     for (Index part = 0; part < 2; ++part)
-      sum.cross.middleCols(part * numbers, m) += press.cross.middleCols(part * size, m);
-    sum.own.topLeftCorner(m, m) += press.own.topLeftCorner(m, m);
+      sum.cross.middleCols(part * all, m) += press.cross.middleCols(part * size, m);
+    sum.numbers.topLeftCorner(m, m) += press.numbers.topLeftCorner(m, m);
     if (!with_friction()) continue;
     const Index place = m + static_cast<Index>(i);
-    for (Index part = 0; part < 2; ++part) sum.cross.col(part * numbers + place) = press.cross.col(part * size + m);
-    sum.own.block(0, place, m, 1) = press.own.block(0, m, m, 1);
-    sum.own.block(place, 0, 1, m) = press.own.block(m, 0, 1, m);
-    sum.own(place, place) = press.own(m, m);
+    for (Index part = 0; part < 2; ++part) sum.cross.col(part * all + place) = press.cross.col(part * size + m);
+    sum.numbers.col(place).head(m) = press.numbers.col(m).head(m);
+    sum.numbers.row(place).head(m) = press.numbers.row(m).head(m);
+    sum.numbers(place, place) = press.numbers(m, m);
   }
   return sum;
 }
 
 /// Information on the numbers, offsets and gains eliminated.
-MatrixXd Planner::eliminated(const Total& sum) const {
-  MatrixXd H = sum.own;
+MatrixXd Planner::eliminated(const Information& sum) const {
+  MatrixXd H = sum.numbers;
   H.diagonal().array() += weak;
   for (Index c = 0; c < noise_.size(); ++c) {
-    const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
-    if (!(n > 0)) continue;
-    const auto of_one = sum.cross.row(c).head(sum.numbers), of_stress = sum.cross.row(c).tail(sum.numbers);
-    const Eigen::RowVectorXd centred = of_stress - sx / n * of_one;
-    H -= of_one.transpose() * of_one / n + centred.transpose() * centred / (weak + sum.sums(c, 2) - sx * sx / n);
+    if (!sum.loads(c)) continue;
+    const auto of_offset = sum.cross.row(c).head(sum.size());
+    const Eigen::RowVectorXd of_gain = sum.gain_cross(c);
+    H -= of_offset.transpose() * of_offset / sum.sums(c, 0) + of_gain.transpose() * of_gain / sum.gain(c);
   }
   return H;
 }
@@ -190,15 +187,12 @@ double log_determinant(const MatrixXd& matrix) {
 }
 
 double Planner::criterion(const Set& set) const {
-  const Total sum = total(set);
+  const Information sum = total(set);
   double gains = 0, channels = 0;
   for (Index c = 0; c < noise_.size(); ++c)
-    if (sum.sums(c, 0) > 0) {
-      gains += std::log(weak + sum.sums(c, 2) - sum.sums(c, 1) * sum.sums(c, 1) / sum.sums(c, 0));
-      channels += 1;
-    }
+    if (sum.loads(c)) gains += std::log(sum.gain(c)), channels += 1;
   const MatrixXd H = eliminated(sum);
-  const Index friction = sum.numbers - fitted();
+  const Index friction = sum.size() - fitted();
   const double numbers = log_determinant(H) - log_determinant(H.bottomRightCorner(friction, friction));
   return gains / std::max(channels, 1.0) + weight_of_numbers * numbers / std::max(static_cast<double>(fitted()), 1.0);
 }
@@ -242,7 +236,7 @@ Set Planner::choose() const {
 }
 
 ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) const {
-  const Total sum = total(set);
+  const Information sum = total(set);
   const MatrixXd covariance = eliminated(sum).inverse();
   ExpectedDeviations result;
   std::ranges::fill(result.number, none);
@@ -255,12 +249,9 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
   result.gain.setConstant(noise_.size(), none);
   std::vector<double> kinds[2];
   for (Index c = 0; c < noise_.size(); ++c) {
-    const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
-    if (!(n > 0)) continue;
-    const double left = weak + sum.sums(c, 2) - sx * sx / n;
-    const Eigen::RowVectorXd by =
-        (sum.cross.row(c).tail(sum.numbers) - sx / n * sum.cross.row(c).head(sum.numbers)) / left;
-    result.gain[c] = std::sqrt(1 / left + by * covariance * by.transpose());
+    if (!sum.loads(c)) continue;
+    const Eigen::RowVectorXd by = sum.gain_cross(c) / sum.gain(c);
+    result.gain[c] = std::sqrt(1 / sum.gain(c) + by * covariance * by.transpose());
     kinds[c < noise_.size() / 2 ? 0 : 1].push_back(result.gain[c]);
     result.worst_gain = std::max(result.worst_gain, result.gain[c]);
   }
@@ -268,7 +259,7 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
   return result;
 }
 
-/// Medians over random choices of so many candidates.
+/// What no plan finds, or only badly with all candidates together.
 std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const MatrixXd& correlation) const {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < candidates_.size(); ++i)
@@ -287,8 +278,8 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
         sentences.push_back(
             fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
                         "is {:.3f}. Hold one of them.",
-                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
-                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
+                        sensor_table[numbers_[static_cast<std::size_t>(j)]].fitted,
+                        sensor_table[numbers_[static_cast<std::size_t>(k)]].fitted, correlation(k, j)));
   for (Index c = 0; c < noise_.size(); ++c)
     if (all.gain[c] > never_found)
       sentences.push_back(

@@ -29,7 +29,7 @@ struct PlanOptions {
 /// Standard deviations to expect of a calibration; NaN: held fixed.
 struct ExpectedDeviations {
   Eigen::VectorXd gain{};                                  ///< [2 tactels] relative; NaN: no transducer
-  double number[sensor_numbers];                           ///< by PressNumber: of ln E, nu, mm, mm, ln RC
+  double number[sensor_numbers];                           ///< by PressNumber: of ln E, nu, mm, mm, mm, ln RC
   double normal_gain = 0, shear_gain = 0, worst_gain = 0;  ///< medians over the tactels, and the largest, relative
 };
 

@@ -18,12 +18,12 @@ constexpr double left_out = std::numeric_limits<double>::quiet_NaN();
 constexpr double outlier = 3;  ///< standard deviations, from which Huber's loss is linear
 }  // namespace
 
-PressReadings::PressReadings(const std::vector<KnownPress>& known, const CalibrationOptions& options)
-    : presses(known),
+PressReadings::PressReadings(const std::vector<KnownPress>& measured, const CalibrationOptions& options)
+    : presses(measured),
       tactels(0),
       force_noise(options.force_noise),
       given_noise(options.noise),
-      press_used(known.size(), true) {
+      press_used(measured.size(), true) {
   if (presses.empty()) throw ValueError("presses", "none", "at least one known press");
   const AnyScene& first = presses.front().scene;
   const Index count = channels_of(first);
@@ -43,8 +43,8 @@ PressReadings::PressReadings(const std::vector<KnownPress>& known, const Calibra
   value.resize(total, count);
   P.setConstant(total, left_out);
   for (std::size_t i = 0; i < presses.size(); ++i) {
-    value.middleRows(first_row[i], steps(i)) = presses[i].readings;
-    if (presses[i].P.size() > 0) P.segment(first_row[i], steps(i)) = presses[i].P;
+    value(rows(i), Eigen::all) = presses[i].readings;
+    if (presses[i].P.size() > 0) P(rows(i)) = presses[i].P;
   }
   weight = MatrixXd::Ones(total, count);
   P_weight = VectorXd::Ones(static_cast<Index>(presses.size()));
@@ -68,8 +68,8 @@ void PressReadings::fit_channels(const MatrixXd& frame, bool renew_noise, std::v
     const double determinant = normal.determinant();
     if (!(determinant > 1e-12 * normal(0, 0) * normal(1, 1))) {
       channel.used = false;
-      faults.push_back({CalibrationFault::Kind::dead_channel, static_cast<int>(c), -1, -1,
-                        transducer_name(c, count(), tactels) + ": no press changes its stress; it has no gain"});
+      faults.push_back({CalibrationFault::Kind::dead_channel,
+                        transducer_name(c, count(), tactels) + ": no press changes its stress; it has no gain", c});
       continue;
     }
     const Eigen::Vector2d fitted = normal.inverse() * right;
@@ -97,26 +97,39 @@ void PressReadings::reweight(const MatrixXd& frame, const VectorXd& forces) {
     for (Index row = 0; row < rows(); ++row)
       if (takes(row, c)) weight(row, c) = huber(residual(row, c, frame(row, c)));
   for (std::size_t i = 0; i < presses.size(); ++i)
-    if (has_force(i)) P_weight[static_cast<Index>(i)] = huber(force_residual(i, forces));
+    if (has_force(i)) P_weight[static_cast<Index>(i)] = huber(force_residual(i, forces(rows(i))));
 }
 
 bool PressReadings::has_force(std::size_t press) const {
-  for (Index row = first_row[press]; row < first_row[press] + steps(press); ++row)
-    if (takes_force(row)) return true;
-  return false;
+  return (P(rows(press)).array() > 0 && P(rows(press)).array().isFinite()).any();
 }
 
 double PressReadings::over_measured(std::size_t press, const VectorXd& forces) const {
   double sum = 0, n = 0;
-  for (Index row = first_row[press]; row < first_row[press] + steps(press); ++row)
-    if (takes_force(row)) sum += forces[row] / P[row], n += 1;
+  for (Index step = 0; step < steps(press); ++step)
+    if (const Index row = first_row[press] + step; takes_force(row)) sum += forces[step] / P[row], n += 1;
   return n > 0 ? sum / n : 0;
+}
+
+MatrixXd PressReadings::residuals(std::size_t press, const MatrixXd& frame) const {
+  MatrixXd all = MatrixXd::Constant(steps(press), count(), left_out);
+  for (Index step = 0; step < steps(press); ++step)
+    for (Index c = 0; c < count(); ++c)
+      if (const Index row = first_row[press] + step; takes(row, c)) all(step, c) = residual(row, c, frame(step, c));
+  return all;
+}
+
+double PressReadings::squares(std::size_t press, const MatrixXd& frame, const VectorXd& forces) const {
+  const Eigen::ArrayXXd off = residuals(press, frame).array();
+  double sum = off.isNaN().select(0, weight(rows(press), Eigen::all).array() * off.square()).sum();
+  if (has_force(press)) sum += P_weight[static_cast<Index>(press)] * std::pow(force_residual(press, forces), 2);
+  return sum;
 }
 
 void PressReadings::leave_out_press(std::size_t press) {
   press_used[press] = false;
-  value.middleRows(first_row[press], steps(press)).setConstant(left_out);
-  P.segment(first_row[press], steps(press)).setConstant(left_out);
+  value(rows(press), Eigen::all).setConstant(left_out);
+  P(rows(press)).setConstant(left_out);
 }
 
 }  // namespace tactel::host

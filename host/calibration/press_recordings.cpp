@@ -20,52 +20,43 @@ namespace {
 
 constexpr double poisson_reach = 0.04, most_poisson = 0.4995;
 constexpr std::size_t fewest_frames = 4;  ///< of a window, for its noise
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Frames around the times of a press, in the device's units: a row for each time, a column for each channel.
-struct WindowReadings {
-  Eigen::MatrixXd mean;        ///< NaN: a channel without a number
-  Eigen::MatrixXd mean_noise;  ///< of these means; NaN: too few frames
-  Eigen::MatrixXd noise;       ///< of a frame; NaN: too few frames
-  Eigen::MatrixXd step;        ///< smallest change above 0 between neighbours; NaN: none
-};
+/// Readings around the time of a load step, while the indenter rests, by transducer; of one without a channel there are
+/// none.
+using Window = std::vector<hw::ChannelRest>;
 
-/// Noise of all presses while their indenters rest: a row for each load step, a column for each transducer. As in
-/// WindowReadings.
-struct RestNoise {
-  std::vector<Eigen::RowVectorXd> mean_noise, noise, step;
-};
+double mean(const hw::ChannelRest& rest) { return rest.readings > 0 ? rest.mean : unknown; }
+double noise(const hw::ChannelRest& rest) { return rest.readings < fewest_frames ? unknown : rest.noise; }
+double half_step(const hw::ChannelRest& rest) { return rest.step > 0 ? rest.step / 2 : unknown; }
+/// Of the mean: noise below half a step is not averaged out.
+double noise_of_mean(const hw::ChannelRest& rest) {
+  if (rest.readings < fewest_frames) return unknown;
+  return rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
+}
 
-WindowReadings read_windows(const std::filesystem::path& path, const SensorProfile& profile,
-                            const std::vector<double>& times, double window, TomlTable& in) {
+/// Windows of so many s around these times of a recording.
+std::vector<Window> read_windows(const std::filesystem::path& path, const SensorProfile& profile,
+                                 const std::vector<double>& times, double width, std::size_t transducers,
+                                 TomlTable& in) {
   hw::Decoder decoder(profile.format());
-  const std::size_t channels = decoder.format().channels();
-  std::vector<hw::Tare> windows(times.size(), hw::Tare(channels));
+  std::vector<hw::Tare> frames(times.size(), hw::Tare(decoder.format().channels()));
   hw::ReplaySource source(path);
   std::optional<double> first;
   read_frames(source, decoder, {.frame = [&](const hw::DecodedFrame& frame, double arrival) {
                 if (!first) first = arrival;
                 for (std::size_t k = 0; k < times.size(); ++k)
-                  if (std::abs(arrival - *first - times[k]) <= window / 2) windows[k].add(frame.values);
+                  if (std::abs(arrival - *first - times[k]) <= width / 2) frames[k].add(frame.values);
               }});
-  WindowReadings result;
-  result.mean.setConstant(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(channels),
-                          std::numeric_limits<double>::quiet_NaN());
-  result.mean_noise = result.noise = result.step = result.mean;
+  std::vector<Window> windows(times.size(), Window(transducers));
   for (std::size_t k = 0; k < times.size(); ++k) {
-    if (windows[k].frames() == 0)
+    if (frames[k].frames() == 0)
       in.refuse("times", fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
-    for (std::size_t c = 0; c < channels; ++c) {
-      const hw::ChannelRest rest = windows[k].channel(c);
-      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(c);
-      if (rest.readings > 0) result.mean(row, column) = rest.mean;
-      if (rest.step > 0) result.step(row, column) = rest.step;
-      if (rest.readings < fewest_frames) continue;
-      result.noise(row, column) = rest.noise;
-      result.mean_noise(row, column) =  // noise below half a step is not averaged out
-          rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
-    }
+    for (std::size_t i = 0; i < transducers; ++i)
+      if (const int channel = profile.map.channel(i); channel >= 0)
+        windows[k][i] = frames[k].channel(static_cast<std::size_t>(channel));
   }
-  return result;
+  return windows;
 }
 
 /// When the press moves. Between the windows over which it is read, unless the file tells.
@@ -106,8 +97,9 @@ std::string scene_with_channels(const SensorProfile& profile) {
                      profile.map.places() / profile.map.tactels());
 }
 
-/// Reads a press, and adds its noise.
-KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, RestNoise& noise) {
+/// Reads a press, and adds its windows.
+KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile,
+                      std::vector<Window>& windows) {
   TomlTable in(file, name);
   std::string scene_file, recording;
   std::vector<double> times, P;
@@ -143,52 +135,44 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
   } catch (const ValueError& error) {
     throw file.error(ValueError(name + "." + error.key, error.value, error.allowed));
   }
-  const Eigen::Index transducers = channels_of(press.scene);
   if (!has_channels(profile, press.scene)) in.refuse("scene", scene_with_channels(profile));
-  const WindowReadings readings = read_windows(folder / recording, profile, times, window, in);
-  const auto of_transducers = [&](const Eigen::MatrixXd& of_channels) {
-    Eigen::MatrixXd result =
-        Eigen::MatrixXd::Constant(of_channels.rows(), transducers, std::numeric_limits<double>::quiet_NaN());
-    for (Eigen::Index i = 0; i < transducers; ++i)
-      if (const int channel = profile.map.channel(static_cast<std::size_t>(i)); channel >= 0)
-        result.col(i) = of_channels.col(channel);
-    return result;
-  };
-  press.readings = of_transducers(readings.mean);
-  for (const auto& [rows, of_channels] : {std::pair{&noise.mean_noise, &readings.mean_noise},
-                                          {&noise.noise, &readings.noise},
-                                          {&noise.step, &readings.step}}) {
-    const Eigen::MatrixXd by_transducer = of_transducers(*of_channels);
-    rows->insert(rows->end(), by_transducer.rowwise().begin(), by_transducer.rowwise().end());
-  }
+  const Eigen::Index transducers = channels_of(press.scene);
+  const std::vector<Window> read =
+      read_windows(folder / recording, profile, times, window, static_cast<std::size_t>(transducers), in);
+  press.readings.resize(static_cast<Eigen::Index>(read.size()), transducers);
+  for (Eigen::Index k = 0; k < press.readings.rows(); ++k)
+    std::ranges::transform(read[static_cast<std::size_t>(k)], press.readings.row(k).begin(), mean);
+  windows.insert(windows.end(), read.begin(), read.end());
   press.P = Eigen::Map<const Eigen::VectorXd>(P.data(), static_cast<Eigen::Index>(P.size()));
   return press;
 }
 
-/// Returns `measure` of the numbers of each column; NaN where a column has none.
-template <class Measure>
-Eigen::VectorXd by_column(const std::vector<Eigen::RowVectorXd>& rows, const Measure& measure) {
-  Eigen::VectorXd result(rows.front().size());
-  for (Eigen::Index c = 0; c < result.size(); ++c) {
+/// Returns `measure` of those `number`s of the windows that are known, for each transducer; NaN where there are none.
+Eigen::VectorXd by_transducer(const std::vector<Window>& windows, double (*number)(const hw::ChannelRest&),
+                              double (*measure)(std::vector<double>)) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(windows.front().size()));
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
     std::vector<double> values;
-    for (const Eigen::RowVectorXd& row : rows)
-      if (std::isfinite(row[c])) values.push_back(row[c]);
-    result[c] = values.empty() ? std::numeric_limits<double>::quiet_NaN() : measure(values);
+    for (const Window& window : windows)
+      if (const double value = number(window[static_cast<std::size_t>(i)]); std::isfinite(value))
+        values.push_back(value);
+    result[i] = values.empty() ? unknown : measure(std::move(values));
   }
   return result;
 }
 
 /// Standard deviations of single readings: as tare has them, half a step at least.
-Eigen::VectorXd noise_of_frames(const RestNoise& noise) {
-  const Eigen::VectorXd least = by_column(noise.step, [](const auto& steps) { return std::ranges::min(steps) / 2; });
-  return by_column(noise.noise, median).binaryExpr(least, [](double of_frame, double half_step) {
+Eigen::VectorXd noise_of_frames(const std::vector<Window>& windows) {
+  const Eigen::VectorXd least =
+      by_transducer(windows, half_step, [](std::vector<double> steps) { return std::ranges::min(steps); });
+  return by_transducer(windows, noise, median).binaryExpr(least, [](double of_frame, double half_step) {
     return half_step > of_frame ? half_step : of_frame;
   });
 }
 
 /// Of means over windows: 0 where a column has no number; empty where none has.
-Eigen::VectorXd noise_of_means(const RestNoise& noise) {
-  const Eigen::VectorXd result = by_column(noise.mean_noise, median);
+Eigen::VectorXd noise_of_means(const std::vector<Window>& windows) {
+  const Eigen::VectorXd result = by_transducer(windows, noise_of_mean, median);
   return result.array().isNaN().all() ? Eigen::VectorXd() : Eigen::VectorXd(result.array().isNaN().select(0, result));
 }
 
@@ -258,10 +242,10 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
   const TomlFile file(path);
   PressRecordings result{.presses = {}, .options = read_fit(file)};
   TomlTable root(file, "");
-  RestNoise noise;
+  std::vector<Window> windows;
   for (const std::string& name : root.keys()) {
     root.expect_table(name);
-    if (name != "fit" && name != "transducer") result.presses.push_back(read_press(file, name, profile, noise));
+    if (name != "fit" && name != "transducer") result.presses.push_back(read_press(file, name, profile, windows));
   }
   root.finish();
   if (result.presses.empty())
@@ -269,8 +253,8 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
   const KnownPress& first = result.presses.front();
   for (const KnownPress& press : result.presses)
     require_same_sensor(file, press.name, press.scene, first.name, first.scene);
-  result.options.rest_noise = noise_of_means(noise);
-  result.noise = noise_of_frames(noise);
+  result.options.rest_noise = noise_of_means(windows);
+  result.noise = noise_of_frames(windows);
   return result;
 }
 

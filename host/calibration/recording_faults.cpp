@@ -14,6 +14,7 @@ namespace tactel::host {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using Kind = CalibrationFault::Kind;
 
 namespace {
 
@@ -26,10 +27,6 @@ constexpr double model_error = 0.02;    ///< of a transducer's signal: places, d
 
 std::string channel_name(const PressReadings& readings, Index c) {
   return transducer_name(c, readings.count(), readings.tactels);
-}
-
-CalibrationFault channel_fault(CalibrationFault::Kind kind, Index channel, std::string text) {
-  return {kind, static_cast<int>(channel), -1, -1, std::move(text)};
 }
 
 /// Squared residuals of readings of channel c as a linear function of the stress of channel d.
@@ -62,15 +59,15 @@ void find_constant_and_saturated(PressReadings& readings, const CalibrationOptio
     }
     if (finite == 0 || low == high) {
       readings.channels[static_cast<std::size_t>(c)].used = false;
-      faults.push_back(channel_fault(CalibrationFault::Kind::dead_channel, c,
-                                     channel_name(readings, c) +
-                                         (finite == 0 ? ": no readings" : ": the reading never changes") +
-                                         "; it has no gain"));
+      faults.push_back({Kind::dead_channel,
+                        channel_name(readings, c) + (finite == 0 ? ": no readings" : ": the reading never changes") +
+                            "; it has no gain",
+                        c});
     } else if (saturated > 0) {
-      faults.push_back(
-          channel_fault(CalibrationFault::Kind::saturated, c,
+      faults.push_back({Kind::saturated,
                         fmt::format("{}: {} of {} readings are at an end of the converter's range and left out",
-                                    channel_name(readings, c), saturated, finite)));
+                                    channel_name(readings, c), saturated, finite),
+                        c});
     }
   }
 }
@@ -90,9 +87,10 @@ void find_swapped(PressReadings& readings, const MatrixXd& frame, std::vector<Ca
     const Index d = best[static_cast<std::size_t>(c)];
     if (d <= c || best[static_cast<std::size_t>(d)] != c) continue;
     for (const Index i : {c, d}) readings.channels[static_cast<std::size_t>(i)].used = false;
-    faults.push_back({CalibrationFault::Kind::swapped_channels, static_cast<int>(c), static_cast<int>(d), -1,
+    faults.push_back({Kind::swapped_channels,
                       fmt::format("{} and {} are swapped: each reads as the other should; exchange them in [channels]",
-                                  channel_name(readings, c), channel_name(readings, d))});
+                                  channel_name(readings, c), channel_name(readings, d)),
+                      c, d});
   }
 }
 
@@ -108,9 +106,8 @@ void find_dead(PressReadings& readings, const MatrixXd& frame, std::vector<Calib
     const double range = frame.col(c).maxCoeff() - frame.col(c).minCoeff();
     if (std::abs(channel.sensitivity) > 3 * deviation || usual * range < dead_signal * channel.noise) continue;
     channel.used = false;
-    faults.push_back(
-        channel_fault(CalibrationFault::Kind::dead_channel, c,
-                      channel_name(readings, c) + ": the reading does not follow the stress; it has no gain"));
+    faults.push_back({Kind::dead_channel,
+                      channel_name(readings, c) + ": the reading does not follow the stress; it has no gain", c});
   }
 }
 
@@ -118,12 +115,8 @@ bool find_wrong_press(PressReadings& readings, const MatrixXd& frame, std::vecto
   const std::size_t presses = readings.presses.size();
   std::vector<double> size(presses, 0), sizes;
   for (std::size_t i = 0; i < presses; ++i) {
-    if (!readings.press_used[i]) continue;
-    double sum = 0, n = 0;
-    for (Index row = readings.first_row[i]; row < readings.first_row[i] + readings.steps(i); ++row)
-      for (Index c = 0; c < readings.count(); ++c)
-        if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)), 2), n += 1;
-    if (n > 0) sizes.push_back(size[i] = std::sqrt(sum / n));
+    const double of_press = rms(readings.residuals(i, frame(readings.rows(i), Eigen::all)));
+    if (!std::isnan(of_press)) sizes.push_back(size[i] = of_press);
   }
   if (sizes.size() < 4) return false;
   const double usual = median(sizes);
@@ -132,42 +125,41 @@ bool find_wrong_press(PressReadings& readings, const MatrixXd& frame, std::vecto
   const auto left_out = std::ranges::count(readings.press_used, false);
   if (!(size[i] > wrong_press * usual) || 3 * (left_out + 1) > static_cast<std::ptrdiff_t>(presses)) return false;
   readings.leave_out_press(i);
-  faults.push_back({CalibrationFault::Kind::wrong_press, -1, -1, static_cast<int>(worst),
-                    fmt::format("{}: residuals {:.1f} times those of the other presses; its indenter, depth or place "
-                                "is another; left out",
-                                readings.presses[i].name, size[i] / usual)});
+  faults.push_back({.kind = Kind::wrong_press,
+                    .text = fmt::format("{}: residuals {:.1f} times those of the other presses; its indenter, depth or "
+                                        "place is another; left out",
+                                        readings.presses[i].name, size[i] / usual),
+                    .press = worst});
   return true;
 }
 
 namespace {
 
-/// Root mean square of residuals [presses], and of all of them, over the noise at rest and a share of each transducer's
-/// signal. 0: nothing to compare.
+/// Root mean square of residuals over the noise at rest and a share of each transducer's signal: [presses], 0 where
+/// there is nothing to compare, and of all; NaN: the noise at rest is not known.
 struct OverRest {
   std::vector<double> presses;
-  double all = 0;
+  double all;
 };
 
 OverRest over_rest(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
                    double share) {
   const VectorXd& noise = options.rest_noise.size() > 0 ? options.rest_noise : options.noise;
-  OverRest over{std::vector<double>(readings.presses.size(), 0)};
-  double all = 0;
-  for (std::size_t i = 0; i < readings.presses.size() && noise.size() > 0; ++i) {
-    double sum = 0, n = 0;
-    for (Index c = 0; c < readings.count(); ++c) {
-      const Channel& channel = readings.channel(c);
-      const double signal =
-          channel.sensitivity * std::sqrt((frame.col(c).array() - frame.col(c).mean()).square().mean());
-      const double expected = std::hypot(noise[c], share * signal) / channel.noise;
-      if (!channel.used || !(expected > 0)) continue;
-      for (Index row = readings.first_row[i]; row < readings.first_row[i] + readings.steps(i); ++row)
-        if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)) / expected, 2), n += 1;
-    }
-    if (n > 0) over.presses[i] = std::sqrt(sum / n);
-    over.all += sum, all += n;
+  Eigen::RowVectorXd expected = Eigen::RowVectorXd::Constant(readings.count(), NAN);
+  for (Index c = 0; c < noise.size(); ++c) {
+    const Channel& channel = readings.channel(c);
+    const double signal = channel.sensitivity * std::sqrt((frame.col(c).array() - frame.col(c).mean()).square().mean());
+    const double off = std::hypot(noise[c], share * signal) / channel.noise;
+    if (channel.used && off > 0) expected[c] = off;
   }
-  over.all = all > 0 ? std::sqrt(over.all / all) : 0;
+  MatrixXd all(readings.rows(), readings.count());
+  OverRest over{};
+  for (std::size_t i = 0; i < readings.presses.size(); ++i) {
+    const auto rows = readings.rows(i);
+    all(rows, Eigen::all) = readings.residuals(i, frame(rows, Eigen::all)).array().rowwise() / expected.array();
+    over.presses.push_back(std::fmax(0, rms(all(rows, Eigen::all))));
+  }
+  over.all = rms(all);
   return over;
 }
 
@@ -186,14 +178,14 @@ void find_misfit(const PressReadings& readings, const MatrixXd& frame, const Cal
                        over.all, over.presses[static_cast<std::size_t>(worst)],
                        readings.presses[static_cast<std::size_t>(worst)].name);
   }
-  faults.push_back({CalibrationFault::Kind::model_misfit, -1, -1, -1, "the model does not fit: " + text});
+  faults.push_back({Kind::model_misfit, "the model does not fit: " + text});
 }
 
 void find_wrong_indenter(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
                          std::vector<CalibrationFault>& faults) {
   const double over = over_rest(readings, frame, options, model_error).all;
   if (over > wrong_indenter)
-    faults.push_back({CalibrationFault::Kind::wrong_indenter, -1, -1, -1,
+    faults.push_back({Kind::wrong_indenter,
                       fmt::format("residuals are {:.1f} times what noise at rest and {:g} % of the stress explain: all "
                                   "presses have another indenter, friction or place",
                                   over, 100 * model_error)});

@@ -44,10 +44,13 @@ inline constexpr double degenerate = 0.98;
 struct CalibrationFault {
   enum class Kind { dead_channel, swapped_channels, saturated, wrong_press, wrong_indenter, model_misfit };
   Kind kind;
-  int channel = -1, other = -1;  ///< place in a frame; the other of a swapped pair
-  int press = -1;
-  std::string text;  ///< a sentence
+  std::string text;                       ///< a sentence
+  Eigen::Index channel = -1, other = -1;  ///< place in a frame; the other of a swapped pair
+  Eigen::Index press = -1;
 };
+/// By kind, in JSON.
+inline constexpr const char* fault_names[] = {"dead_channel", "swapped_channels", "saturated",
+                                              "wrong_press",  "wrong_indenter",   "model_misfit"};
 
 /// A fitted number and its standard deviation; 0: held fixed.
 struct Fitted {
@@ -59,17 +62,25 @@ struct SensorCalibration {
   int iterations = 0;
   bool pad = false;
   Eigen::Index tactels = 0;
-  Fitted young, poisson, thickness, shift;  ///< MPa, none, mm, mm
-  Fitted shift_y;                           ///< mm, of pads
-  Fitted time_constant;                     ///< s; infinite: no decay
-  std::vector<Fitted> friction;             ///< [presses]
-  std::vector<Fitted> gain, offset;         ///< [channels] MPa by the device's unit; the device's unit. NaN: left out
-  std::vector<double> noise;                ///< [channels] standard deviation of the residuals, the device's unit
-  Eigen::MatrixXd correlation;              ///< [fitted, fitted]
-  std::vector<std::string> fitted, held;    ///< names of numbers; sentences: what is held fixed, and why
+  Fitted young, poisson, thickness, shift, shift_y;  ///< MPa, none, mm, mm, mm
+  Fitted time_constant;                              ///< s; infinite: no decay
+  std::vector<Fitted> friction;                      ///< [presses]
+  std::vector<Fitted> gain, offset;       ///< [channels] MPa by the device's unit; the device's unit. NaN: left out
+  std::vector<double> noise;              ///< [channels] standard deviation of the residuals, the device's unit
+  Eigen::MatrixXd correlation;            ///< [fitted, fitted]
+  std::vector<std::string> fitted, held;  ///< names of numbers; sentences: what is held fixed, and why
   std::vector<CalibrationFault> faults;
   std::vector<Eigen::MatrixXd> residuals;  ///< [presses] [steps, channels] reading less model over noise; NaN: left out
 };
+/// By PressNumber.
+inline constexpr Fitted SensorCalibration::*found_numbers[sensor_numbers] = {
+    &SensorCalibration::young, &SensorCalibration::poisson, &SensorCalibration::thickness,
+    &SensorCalibration::shift, &SensorCalibration::shift_y, &SensorCalibration::time_constant};
+
+/// The numbers of the sensor that a fit with these options seeks; E where presses tell it.
+std::vector<PressNumber> fitted_numbers(const CalibrationOptions& options, bool young_told, bool pads);
+/// The numbers of the sensor of a calibration: a line has no shift along y, stresses may not decay.
+std::vector<PressNumber> numbers_of(const SensorCalibration& found);
 
 /// Names of the stresses of a tactel, in the order of a frame: two of a line, one or three of a pad.
 std::vector<std::string> stress_names(Eigen::Index channels, Eigen::Index tactels);

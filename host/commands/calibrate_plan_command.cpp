@@ -56,24 +56,21 @@ CandidateList candidates_of(const CalibratePlanRequest& request, const SensorPro
 }
 
 struct DeviationRow {
-  const char* name;
-  const char* key;
-  double scale;
-  const char* unit;
-  double (*of)(const ExpectedDeviations&);
+  const char *name, *key;
+  double value;
+  std::string unit = "%";  ///< of 100 times the value
 };
 
-constexpr DeviationRow rows[] = {
-    {"gain of normal stress, median", "normal_gain", 100, " %", [](const auto& d) { return d.normal_gain; }},
-    {"gain of shear stress, median", "shear_gain", 100, " %", [](const auto& d) { return d.shear_gain; }},
-    {"gain, worst transducer", "worst_gain", 100, " %", [](const auto& d) { return d.worst_gain; }},
-    {"sensor.young", "young", 100, " %", [](const auto& d) { return d.number[young_number]; }},
-    {"sensor.poisson", "poisson", 1, "", [](const auto& d) { return d.number[poisson_number]; }},
-    {"sensor.thickness", "thickness", 1, " mm", [](const auto& d) { return d.number[thickness_number]; }},
-    {"shift of the tactels", "shift", 1, " mm", [](const auto& d) { return d.number[shift_number]; }},
-    {"transducer.time_constant", "time_constant", 100, " %",
-     [](const auto& d) { return d.number[time_constant_number]; }},
-};
+std::vector<DeviationRow> rows_of(const ExpectedDeviations& deviations) {
+  std::vector<DeviationRow> rows = {{"gain of normal stress, median", "normal_gain", deviations.normal_gain},
+                                    {"gain of shear stress, median", "shear_gain", deviations.shear_gain},
+                                    {"gain, worst transducer", "worst_gain", deviations.worst_gain}};
+  for (const int k : {young_number, poisson_number, thickness_number, shift_number, time_constant_number}) {
+    const SensorNumber& number = sensor_table[k];
+    rows.push_back({number.label, number.key, deviations.number[k], number.logarithm ? "%" : number.unit});
+  }
+  return rows;
+}
 
 /// The last position of a drag.
 double drag_of(const fem::Scene& scene) { return fem::load_path(scene.load).steps.back().tangential; }
@@ -93,9 +90,9 @@ void print_plan(const PressPlan& plan, const std::vector<PressCandidate>& candid
                drag == 0 ? "none" : fmt::format("{:.4g} mm", drag), plan.P[plan.chosen[i]]);
   }
   fmt::print("\nstandard deviation to expect\n");
-  for (const DeviationRow& row : rows)
-    if (std::isfinite(row.of(plan.planned)))
-      fmt::print("{:<32} {:>8.2g}{}\n", row.name, row.scale * row.of(plan.planned), row.unit);
+  for (const auto& [name, key, value, unit] : rows_of(plan.planned))
+    if (std::isfinite(value))
+      fmt::print("{:<32} {:>8.2g}{}{}\n", name, unit == "%" ? 100 * value : value, unit.empty() ? "" : " ", unit);
   if (!plan.lost.empty()) fmt::print("\n");
   for (const std::string& sentence : plan.lost) fmt::print("{}\n", sentence);
 }
@@ -103,7 +100,7 @@ void print_plan(const PressPlan& plan, const std::vector<PressCandidate>& candid
 /// NaN is written as null.
 Json deviations_json(const ExpectedDeviations& deviations) {
   Json out, gains = Json::array();
-  for (const DeviationRow& row : rows) out[row.key] = row.of(deviations);
+  for (const DeviationRow& row : rows_of(deviations)) out[row.key] = row.value;
   for (const double gain : deviations.gain) gains.push_back(gain);
   out["gain"] = std::move(gains);
   return out;

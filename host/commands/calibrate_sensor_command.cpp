@@ -29,72 +29,46 @@ struct CalibrateSensorRequest {
 };
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-Json fitted_json(const Fitted& fitted) {
-  return {{"value", number(fitted.value)}, {"deviation", number(fitted.deviation)}};
-}
-
-const char* kind_name(CalibrationFault::Kind kind) {
-  switch (kind) {
-    case CalibrationFault::Kind::dead_channel:
-      return "dead_channel";
-    case CalibrationFault::Kind::swapped_channels:
-      return "swapped_channels";
-    case CalibrationFault::Kind::saturated:
-      return "saturated";
-    case CalibrationFault::Kind::wrong_press:
-      return "wrong_press";
-    case CalibrationFault::Kind::model_misfit:
-      return "model_misfit";
-    default:
-      return "wrong_indenter";
-  }
+Json number(const Fitted& fitted) { return {{"value", number(fitted.value)}, {"deviation", number(fitted.deviation)}}; }
+Json numbers(const auto& values) {
+  Json all = Json::array();
+  for (const auto& value : values) all.push_back(number(value));
+  return all;
 }
 
 Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses,
              const Eigen::VectorXd& noise_at_rest) {
-  Json gains = Json::array(), offsets = gains, noise = gains, rest = gains, faults = gains, residuals = gains,
-       correlation = gains, friction = gains;
-  for (const Fitted& mu : found.friction) friction.push_back(fitted_json(mu));
-  for (const Fitted& gain : found.gain) gains.push_back(fitted_json(gain));
-  for (const Fitted& offset : found.offset) offsets.push_back(fitted_json(offset));
-  for (const double value : found.noise) noise.push_back(number(value));
-  for (const double value : noise_at_rest) rest.push_back(number(value));
+  Json faults = Json::array(), residuals = faults, correlation = faults;
   for (const CalibrationFault& fault : found.faults)
-    faults.push_back({{"kind", kind_name(fault.kind)}, {"text", fault.text}});
+    faults.push_back({{"kind", fault_names[static_cast<int>(fault.kind)]}, {"text", fault.text}});
   for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
     correlation.push_back(std::vector<double>(found.correlation.row(i).begin(), found.correlation.row(i).end()));
   for (std::size_t i = 0; i < presses.size(); ++i) {
     Json rows = Json::array();
-    for (Eigen::Index k = 0; k < found.residuals[i].rows(); ++k) {
-      Json& row = rows.emplace_back(Json::array());
-      for (const double r : found.residuals[i].row(k)) row.push_back(number(r));
-    }
+    for (const auto& row : found.residuals[i].rowwise()) rows.push_back(numbers(row));
     residuals.push_back({{"press", presses[i].name}, {"steps", std::move(rows)}});
   }
-  Json json = {{"converged", found.converged},
-               {"iterations", found.iterations},
-               {"young", fitted_json(found.young)},
-               {"poisson", fitted_json(found.poisson)},
-               {"thickness", fitted_json(found.thickness)},
-               {"shift", fitted_json(found.shift)},
-               {"time_constant", fitted_json(found.time_constant)},
-               {"friction", std::move(friction)},
+  Json json = {{"converged", found.converged}, {"iterations", found.iterations}};
+  for (int k = 0; k < sensor_numbers; ++k)
+    if (k != shift_y_number) json[sensor_table[k].key] = number(found.*found_numbers[k]);
+  json.update({{"friction", numbers(found.friction)},
                {"fitted", found.fitted},
                {"correlation", std::move(correlation)},
                {"held", found.held},
                {"faults", std::move(faults)},
-               {"gain", std::move(gains)},
-               {"offset", std::move(offsets)},
-               {"noise", std::move(noise)},
-               {"rest_noise", std::move(rest)},
-               {"residuals", std::move(residuals)}};
-  if (found.pad) json["shift_y"] = fitted_json(found.shift_y);
+               {"gain", numbers(found.gain)},
+               {"offset", numbers(found.offset)},
+               {"noise", numbers(found.noise)},
+               {"rest_noise", numbers(noise_at_rest)},
+               {"residuals", std::move(residuals)}});
+  if (found.pad) json["shift_y"] = number(found.shift_y);
   return json;
 }
 
-std::string line(const char* name, const Fitted& fitted, const char* unit) {
-  if (fitted.deviation == 0) return fmt::format("{} = {:.5g}{} (held)", name, fitted.value, unit);
-  return fmt::format("{} = {:.5g} +- {:.2g}{}", name, fitted.value, fitted.deviation, unit);
+std::string line(const std::string& name, const Fitted& fitted, const std::string& unit) {
+  const std::string end = (unit.empty() ? "" : " ") + unit;
+  if (fitted.deviation == 0) return fmt::format("{} = {:.5g}{} (held)", name, fitted.value, end);
+  return fmt::format("{} = {:.5g} +- {:.2g}{}", name, fitted.value, fitted.deviation, end);
 }
 
 /// The noise at rest, as sweeps take it, and whether offsets are known well enough beside it.
@@ -121,8 +95,8 @@ std::vector<std::string> noise_remarks(const SensorCalibration& found, const Eig
 
 int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   check_writable("--output", request.output);
-  if (!request.json.empty()) check_writable("--json", request.json);
-  if (!request.html.empty()) check_writable("--html", request.html);
+  for (const auto& [option, path] : {std::pair{"--json", &request.json}, {"--html", &request.html}})
+    if (!path->empty()) check_writable(option, *path);
   if (!request.plot.empty()) check_figure_path("--plot", request.plot);
   const SensorProfile profile = read_profile(request.profile);
   const PressRecordings recordings = [&] {
@@ -133,15 +107,12 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
     const StageLine stage("fitting", request.quiet);
     return calibrate_sensor(recordings, host_threads());
   }();
-  std::vector<std::string> remarks = {
-      line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
-      line("sensor.thickness", found.thickness, " mm"), line("shift of the tactels", found.shift, " mm")};
-  if (found.pad) remarks.push_back(line("shift along y", found.shift_y, " mm"));
-  if (std::isfinite(found.time_constant.value))
-    remarks.push_back(line("transducer.time_constant", found.time_constant, " s"));
+  std::vector<std::string> remarks;
+  for (const PressNumber k : numbers_of(found))
+    remarks.push_back(line(sensor_table[k].label, found.*found_numbers[k], sensor_table[k].unit));
   for (std::size_t i = 0; i < found.friction.size(); ++i)
     if (found.friction[i].deviation > 0)
-      remarks.push_back(line(("friction of " + recordings.presses[i].name).c_str(), found.friction[i], ""));
+      remarks.push_back(line("friction of " + recordings.presses[i].name, found.friction[i], ""));
   for (const std::string& remark : noise_remarks(found, recordings.noise)) remarks.push_back(remark);
   for (const std::string& held : found.held) remarks.push_back(held);
   const bool wrong = std::ranges::any_of(

@@ -114,7 +114,7 @@ void DriftWatch::find_stuck(double arrival, std::vector<Drift>& found) {
 
 /// What was not told before.
 void DriftWatch::tell(Drift::Kind kind, std::vector<Finding> findings, std::vector<Drift>& found) {
-  std::erase_if(findings, [&](const Finding& of) { return inputs_[of.input].told[static_cast<int>(kind)]; });
+  std::erase_if(findings, [&](const Finding& finding) { return inputs_[finding.input].told[static_cast<int>(kind)]; });
   if (findings.empty()) return;
   std::ranges::stable_sort(findings, std::greater{}, &Finding::size);
   Drift drift{.kind = kind, .channels = {}, .size = findings.front().size, .text = {}};

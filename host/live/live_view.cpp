@@ -138,16 +138,16 @@ std::string pads_text(const MonitorLine& line, const std::vector<PadLayout>& pad
   for (std::size_t i = 0; i < pads.size(); first += pads[i++].count()) {
     const auto nx = static_cast<std::size_t>(pads[i].tactels[0]);
     const std::size_t width = std::clamp<std::size_t>(beside ? (room - gaps) / across : room / nx, 1, widest);
-    std::vector<std::string> own =
+    std::vector<std::string> pad_rows =
         tiles(line.stresses, line.stresses.size() / all, first, pads[i], largest, width, room);
     if (pads.size() > 1) {
       const float s = i < line.pads.size() ? line.pads[i].answer.slip_index : std::nanf("");
-      own.insert(own.begin(), std::isfinite(s) ? fmt::format("S {:.3f}", s) : "S   -  ");
+      pad_rows.insert(pad_rows.begin(), std::isfinite(s) ? fmt::format("S {:.3f}", s) : "S   -  ");
     }
-    if (!beside) rows.insert(rows.end(), own.begin(), own.end());
+    if (!beside) rows.insert(rows.end(), pad_rows.begin(), pad_rows.end());
     for (std::size_t row = 0; beside && row < tallest; ++row) {
-      const std::size_t filled = row == 0 ? least : row < own.size() ? nx * width : 0;
-      rows[row] += (row < own.size() ? own[row] : "");
+      const std::size_t filled = row == 0 ? least : row < pad_rows.size() ? nx * width : 0;
+      rows[row] += (row < pad_rows.size() ? pad_rows[row] : "");
       if (i + 1 < pads.size()) rows[row].append(std::max(nx * width, least) + gap - filled, ' ');
     }
   }

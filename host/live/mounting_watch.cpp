@@ -23,12 +23,12 @@ struct Image {
 };
 constexpr Image image(std::size_t i) { return {i >= 4, i & 1 ? -1 : 1, i & 2 ? -1 : 1}; }
 
-std::string remedy(const Image& of) {
-  std::string text = of.exchanged ? "shear_x and shear_y exchanged" : "";
+std::string remedy(const Image& mounting) {
+  std::string text = mounting.exchanged ? "shear_x and shear_y exchanged" : "";
   const auto add = [&](int sign, const char* axis) {
     if (sign < 0) text += (text.empty() ? "the gains of " : " and the gains of ") + std::string(axis) + " turned";
   };
-  add(of.x, "shear_x"), add(of.y, "shear_y");
+  add(mounting.x, "shear_x"), add(mounting.y, "shear_y");
   return text;
 }
 
@@ -86,9 +86,10 @@ void MountingWatch::look(std::span<const float> frame, std::size_t lowest) {
       std::sqrt((tau[0].square() + tau[1].square()).sum() * (gradient[0].square() + gradient[1].square()).sum());
   if (!(norm > 0)) return;
   for (std::size_t k = 0; k < images; ++k) {
-    const Image of = image(k);
-    fits_[k] =
-        (of.x * (tau[of.exchanged] * gradient[0]).sum() + of.y * (tau[!of.exchanged] * gradient[1]).sum()) / norm;
+    const Image mounting = image(k);
+    fits_[k] = (mounting.x * (tau[mounting.exchanged] * gradient[0]).sum() +
+                mounting.y * (tau[!mounting.exchanged] * gradient[1]).sum()) /
+               norm;
   }
 }
 

@@ -72,8 +72,8 @@ OpenSource open_replay(const std::string& text, const std::string& profile) {
   options.read("paced", paced);
   options.finish();
   auto source = std::make_unique<hw::ReplaySource>(options.path(), paced != 0);
-  SensorProfile own = profile.empty() ? parse_profile(source->description(), options.path()) : read_profile(profile);
-  return {std::move(source), std::move(own)};
+  SensorProfile used = profile.empty() ? parse_profile(source->description(), options.path()) : read_profile(profile);
+  return {std::move(source), std::move(used)};
 }
 
 /// The profiles of a line of numbers as one, each with its calibration where there is one for each.
@@ -98,8 +98,9 @@ OpenSource open_csv(const std::string& text, Files profiles, Files calibrations)
   if (profiles.empty())
     throw ConfigError("command line", "--profile", "(missing)",
                       "given with csv: uskin-4x4, uskin-4x6, or a profile whose format.kind is csv");
-  SensorProfile own = read_profiles(profiles, calibrations);
-  return {std::make_unique<CsvSource>(options.path(), own.format()->channels(), paced != 0, sensor), std::move(own)};
+  SensorProfile joined = read_profiles(profiles, calibrations);
+  return {std::make_unique<CsvSource>(options.path(), joined.format()->channels(), paced != 0, sensor),
+          std::move(joined)};
 }
 
 OpenSource open(const std::string& kind, const std::string& rest, Files profiles, Files calibrations) {
@@ -117,9 +118,10 @@ OpenSource open(const std::string& kind, const std::string& rest, Files profiles
   if (!profile.empty())
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");
   auto sensor = open_simulation(rest);
-  SensorProfile own = parse_profile(sensor->profile_text(), "simulated sensor");
+  SensorProfile simulated = parse_profile(sensor->profile_text(), "simulated sensor");
   const SimulatedSensor* played = sensor.get();
-  return {std::move(sensor), std::move(own), "", [played](std::uint64_t n) { return played->true_slip_index(n); }};
+  return {std::move(sensor), std::move(simulated), "",
+          [played](std::uint64_t n) { return played->true_slip_index(n); }};
 }
 
 }  // namespace

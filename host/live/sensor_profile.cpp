@@ -264,14 +264,15 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
                                    {&map.shear, &profile.map.shear},
                                    {&map.shear_y, &profile.map.shear_y}})
       for (const int channel : *from) to->push_back(channel < 0 ? -1 : channel + static_cast<int>(channels));
-    const hw::Calibration& own = profile.map.calibration;
+    const hw::Calibration& calibration = profile.map.calibration;
     const std::pair<std::vector<double>*, const std::vector<double>*> numbers[] = {
-        {&map.calibration.offset, &own.offset},
-        {&map.calibration.gain, &own.gain},
-        {&map.calibration.noise, &own.noise}};
+        {&map.calibration.offset, &calibration.offset},
+        {&map.calibration.gain, &calibration.gain},
+        {&map.calibration.noise, &calibration.noise}};
     for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
-    map.calibration.has_zero &= own.has_zero;
-    least_moved = std::min(least_moved, own.moved), map.calibration.moved = std::max(map.calibration.moved, own.moved);
+    map.calibration.has_zero &= calibration.has_zero;
+    least_moved = std::min(least_moved, calibration.moved),
+    map.calibration.moved = std::max(map.calibration.moved, calibration.moved);
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }

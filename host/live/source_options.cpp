@@ -45,11 +45,11 @@ void SourceOptions::read(const std::string& key, std::string& value) {
 }
 
 void SourceOptions::finish() const {
-  std::vector<std::string> known;
-  for (const auto& [key, asked] : asked_) known.push_back(key);
+  std::vector<std::string> names;
+  for (const auto& [key, asked] : asked_) names.push_back(key);
   for (const auto& [key, value] : given_) {
     if (!asked_.contains(key))
-      throw ConfigError("--source", key, value, "left out; known are " + listed(known) + did_you_mean(key, known));
+      throw ConfigError("--source", key, value, "left out; known are " + listed(names) + did_you_mean(key, names));
   }
 }
 

@@ -202,21 +202,21 @@ void require_datasets(const SetColumns& columns, const std::string& file, std::i
 }
 
 SetColumns only_columns(SetColumns columns, const std::string& wanted) {
-  std::vector<std::string> known;
+  std::vector<std::string> names;
   const ContactSet set(columns);
-  const auto know = [&](const char* name, const auto&, int, const char*) { known.emplace_back(name); };
+  const auto know = [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); };
   each_dataset(set, know);
   each_other_dataset(set, know);
   std::set<std::string> kept = {"slip_index"};
   for (std::size_t from = 0; from <= wanted.size();) {
     const std::size_t end = std::min(wanted.find(',', from), wanted.size());
     const std::string name = wanted.substr(from, end - from);
-    if (std::ranges::find(known, name) == known.end())
-      throw ConfigError("command line", "--columns", name, "of " + listed(known) + did_you_mean(name, known));
+    if (std::ranges::find(names, name) == names.end())
+      throw ConfigError("command line", "--columns", name, "of " + listed(names) + did_you_mean(name, names));
     kept.insert(name);
     from = end + 1;
   }
-  for (const std::string& name : known)
+  for (const std::string& name : names)
     if (!kept.contains(name)) columns.left_out.insert(name);
   return columns;
 }

@@ -129,8 +129,8 @@ void PlacedSet::resume(const std::vector<ChunkHeader>& headers) {
     if (header.chunk != chunks_.size() || !read(places_, header, payload)) break;
     std::vector<std::string_view> values;
     std::string_view rest = payload;
-    const auto take = [&](const PlacedRows& of, std::uint64_t rows) {
-      for (const PlacedRows::Dataset& dataset : of.datasets()) {
+    const auto take = [&](const PlacedRows& datasets, std::uint64_t rows) {
+      for (const PlacedRows::Dataset& dataset : datasets.datasets()) {
         values.push_back(rest.substr(0, rows * dataset.row_bytes));
         rest.remove_prefix(rows * dataset.row_bytes);
       }
@@ -139,13 +139,13 @@ void PlacedSet::resume(const std::vector<ChunkHeader>& headers) {
     if (places_.parameters) take(*places_.parameters, header.contacts);
     if (!place(header, values)) throw std::system_error(errno, std::generic_category());
   }
-  const fs::path own = folder_ / "0000.placed";
+  const fs::path file_of_first = folder_ / "0000.placed";
   if (::ftruncate(file_, static_cast<off_t>(places_.end)) != 0) throw std::system_error(errno, std::generic_category());
-  if (header_files(folder_).size() == 1 && fs::file_size(own) == bytes_of(chunks_).size()) return;
-  write_file("--output", own, bytes_of(chunks_));
+  if (header_files(folder_).size() == 1 && fs::file_size(file_of_first) == bytes_of(chunks_).size()) return;
+  write_file("--output", file_of_first, bytes_of(chunks_));
   for (const fs::path& file : header_files(folder_))
-    if (file != own) fs::remove(file);
-  ::close(std::exchange(headers_, open_file(own, O_APPEND)));
+    if (file != file_of_first) fs::remove(file);
+  ::close(std::exchange(headers_, open_file(file_of_first, O_APPEND)));
 }
 
 bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::string& payload) const {
@@ -155,8 +155,8 @@ bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::strin
   std::vector<std::string> values;
   std::uint64_t end = places.end;
   if (places.tactels && header.chunk == 0) places.tactels->pieces(end, tactel_count(columns_));
-  const auto take = [&](const PlacedRows& of, std::uint64_t rows) {
-    if (!of.read(file_, end, rows, values)) return false;
+  const auto take = [&](const PlacedRows& datasets, std::uint64_t rows) {
+    if (!datasets.read(file_, end, rows, values)) return false;
     for (const std::string& part : values) payload += part;
     return true;
   };
@@ -174,19 +174,19 @@ std::optional<PlacedSet::Unwritten> PlacedSet::place(const ChunkHeader& header,
       if (!places_.tactels->write(direct_, std::move(stripe), x)) return {};
     if (!places_.tactels->flush(direct_)) return {};
   }
-  const Payload of(payload, places_.parameters.has_value());
-  Unwritten chunk{places_.rows.place(places_.end, header.rows, of.rows), {}};
-  if (places_.parameters) chunk.parameters = places_.parameters->place(places_.end, header.contacts, of.parameters);
+  const Payload parts(payload, places_.parameters.has_value());
+  Unwritten chunk{places_.rows.place(places_.end, header.rows, parts.rows), {}};
+  if (places_.parameters) chunk.parameters = places_.parameters->place(places_.end, header.contacts, parts.parameters);
   chunks_.push_back(header);
   return chunk;
 }
 
 bool PlacedSet::write(Unwritten chunk, const std::vector<std::string_view>& payload) {
-  const Payload of(payload, places_.parameters.has_value());
+  const Payload parts(payload, places_.parameters.has_value());
   for (PlacedRows::Stripe& stripe : chunk.rows)
-    if (!places_.rows.write(direct_, std::move(stripe), of.rows)) return false;
+    if (!places_.rows.write(direct_, std::move(stripe), parts.rows)) return false;
   for (PlacedRows::Stripe& stripe : chunk.parameters)
-    if (!places_.parameters->write(direct_, std::move(stripe), of.parameters)) return false;
+    if (!places_.parameters->write(direct_, std::move(stripe), parts.parameters)) return false;
   return write_all(headers_, bytes_of(chunks_, chunks_.size() - 1));
 }
 
@@ -215,7 +215,7 @@ std::vector<ChunkHeader> PlacedSet::take_headers(std::string_view& tail) {
   if (tail.size() < sizeof count) throw std::length_error("tail of a set");
   std::memcpy(&count, tail.data(), sizeof count);
   tail.remove_prefix(sizeof count);
-  const std::size_t known = chunks_.size();
+  const std::size_t before = chunks_.size();
   for (ChunkHeader header; count > 0; --count, tail.remove_prefix(sizeof header)) {
     if (tail.size() < sizeof header) throw std::length_error("tail of a set");
     std::memcpy(&header, tail.data(), sizeof header);
@@ -223,7 +223,7 @@ std::vector<ChunkHeader> PlacedSet::take_headers(std::string_view& tail) {
     places_.skip(header, columns_);
     chunks_.push_back(header);
   }
-  return {chunks_.begin() + static_cast<std::ptrdiff_t>(known), chunks_.end()};
+  return {chunks_.begin() + static_cast<std::ptrdiff_t>(before), chunks_.end()};
 }
 
 void PlacedSet::take_rows(std::string_view tail) {
@@ -232,7 +232,7 @@ void PlacedSet::take_rows(std::string_view tail) {
 }
 
 bool PlacedSet::fits_hdf5() const {
-  const auto fits = [](const PlacedRows& of) { return of.rows() >= of.rows_of_stripe(); };
+  const auto fits = [](const PlacedRows& rows) { return rows.rows() >= rows.rows_of_stripe(); };
   return fits(places_.rows) && (!places_.parameters || fits(*places_.parameters));
 }
 

@@ -168,9 +168,9 @@ std::uint64_t SetFile::number(const char* attribute) const {
   const Handle open(H5Aopen(file_, attribute, H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(open), H5Tclose), space(H5Aget_space(open), H5Sclose);
   std::int64_t sign = 0;
-  const bool one = H5Tget_class(type) == H5T_INTEGER && H5Sget_simple_extent_npoints(space) == 1 &&
-                   H5Aread(open, H5T_NATIVE_UINT64, &value) >= 0 && H5Aread(open, H5T_NATIVE_INT64, &sign) >= 0;
-  if (!one) refuse(attribute, "not one whole number", "a whole number");
+  const bool readable = H5Tget_class(type) == H5T_INTEGER && H5Sget_simple_extent_npoints(space) == 1 &&
+                        H5Aread(open, H5T_NATIVE_UINT64, &value) >= 0 && H5Aread(open, H5T_NATIVE_INT64, &sign) >= 0;
+  if (!readable) refuse(attribute, "not one whole number", "a whole number");
   if (sign < 0) refuse(attribute, fmt::format("{}", sign), "a whole number, at least 0");
   return value;
 }
@@ -224,8 +224,8 @@ void SetFile::look_at_layout(const std::string& name, Column& column) const {
     refuse(name, "kept in another file", "numbers in this file");
   const std::uint64_t claimed =
       column.rows * H5Tget_size(stored) * static_cast<std::uint64_t>(std::max(column.columns, 1));
-  const std::uint64_t there = H5Dget_storage_size(column.data_);
-  if (claimed / (compressed(plan) ? most_compression : 1) > there) refuse(name, "cut short", as_written);
+  const std::uint64_t stored_bytes = H5Dget_storage_size(column.data_);
+  if (claimed / (compressed(plan) ? most_compression : 1) > stored_bytes) refuse(name, "cut short", as_written);
 }
 
 /// A chunk that the index has lost would be read as zeros, one with another filter mask without its checksum.

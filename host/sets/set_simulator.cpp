@@ -168,9 +168,9 @@ struct StepsOfLane {
     return answer.result(0, PAD_RESULT_CELL);
   }
   [[gnu::always_inline]] Row row(int k) const {  // a row in memory, written by number and copied by vector, stalls
-    const auto* const own = solved_alone(k);
-    Row row = own ? row_of(own->steps.back()) : row_of(answer, *contact, k);
-    if (!own) mark(row, contact->least);
+    const auto* const exact = solved_alone(k);
+    Row row = exact ? row_of(exact->steps.back()) : row_of(answer, *contact, k);
+    if (!exact) mark(row, contact->least);
     return row;
   }
   int least() const {
@@ -178,14 +178,14 @@ struct StepsOfLane {
                                                         [&](int k) { return across_of(answer, *contact, k); });
   }
   void stress(int k, std::span<float> frame) const {
-    if (const auto* own = solved_alone(k))
-      put_stress(own->steps.back(), frame);
+    if (const auto* exact = solved_alone(k))
+      put_stress(exact->steps.back(), frame);
     else
       answer.tactels(k, frame);
   }
   const typename Contacts::Solution* solved_alone(int k) const {  ///< none: the step is the answer's; of lines all are
     if constexpr (!Contact<Contacts>::of_lines)
-      if (const auto own = alone->find({contact->number, k}); own != alone->end()) return &own->second;
+      if (const auto exact = alone->find({contact->number, k}); exact != alone->end()) return &exact->second;
     return nullptr;
   }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING; }
@@ -243,7 +243,7 @@ void put_sensor(ContactSet& set, std::size_t at, const auto& sensor) {
 /// Puts a step into row `at`.
 template <class Steps, class Contact>
 [[gnu::always_inline]] inline void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row,
-                                           const Contact& of, int step) {
+                                           const Contact& contact, int step) {
   const int touching = row.sticking + row.slipping;
   set.slip_index[at] = static_cast<float>(std::clamp(*row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
   set.normal_force[at] = static_cast<float>(row.P);
@@ -259,30 +259,30 @@ template <class Steps, class Contact>
     set.torque[at] = static_cast<float>(row.torque);
     set.twist[at] = static_cast<float>(row.twist);
     set.force_ratio[at] = static_cast<float>(row.force_ratio);
-    set.outside[at] = static_cast<std::uint8_t>(of.outside);
+    set.outside[at] = static_cast<std::uint8_t>(contact.outside);
   }
-  set.friction[at] = static_cast<float>(of.friction);
+  set.friction[at] = static_cast<float>(contact.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
   set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
-  set.contact[at] = of.number;
+  set.contact[at] = contact.number;
   set.step[at] = static_cast<std::uint32_t>(step);
-  set.indenter[at] = of.kind;
+  set.indenter[at] = contact.kind;
   set.status[at] = static_cast<std::uint8_t>(row.status);
   set.residual[at] = static_cast<float>(row.residual);
-  if (set.sensors) put_sensor(set, at, of.sensor);
+  if (set.sensors) put_sensor(set, at, contact.sensor);
   steps.stress(step, std::span(set.frames).subspan(at * set.inputs, set.inputs));
 }
 
 /// Whether a step of a contact becomes a row.
 template <class Contact>
-bool is_row(const Row& row, const Contact& of, int step) {
-  return step >= of.first_step && row.status != LANE_NOT_RUN && row.slip_index;
+bool is_row(const Row& row, const Contact& contact, int step) {
+  return step >= contact.first_step && row.status != LANE_NOT_RUN && row.slip_index;
 }
 
 /// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
 template <class Steps, class Contact>
-std::size_t survey(ContactSet& set, const Steps& steps, Contact& of) {
-  of.least = steps.least();
+std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
+  contact.least = steps.least();
   const double element = steps.element();  // mm
   std::size_t rows = 0;
   double deepest = 0;  // mm
@@ -293,20 +293,20 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& of) {
     if (row.status == LANE_NOT_RUN) break;
     deepest = std::max(deepest, row.indentation);
     if constexpr (Contact::of_lines)
-      far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
+      far = far || row.slip_distance > slip_limit(contact.sensor, element * (row.sticking + row.slipping));
     else
       far = far || (row.P > 0 && row.slip_distance > slip_limit(std::sqrt(row.area))), reach.cover(row.reach);
-    if (is_row(row, of, k)) ++rows, set.coarse += row.status == coarse_row;
+    if (is_row(row, contact, k)) ++rows, set.coarse += row.status == coarse_row;
   }
-  set.too_deep += too_deep(of.sensor.thickness, deepest);
+  set.too_deep += too_deep(contact.sensor.thickness, deepest);
   set.far_slip += far;
   if constexpr (!Contact::of_lines) {
-    of.outside = outside_model(of.sensor, of.position, reach, element);
-    set.near_edge += (of.outside & outside_edges) != 0;
-    set.unseen += (of.outside & outside_tactels) != 0;
-    set.wide_cells += (of.outside & outside_cells) != 0;
+    contact.outside = outside_model(contact.sensor, contact.position, reach, element);
+    set.near_edge += (contact.outside & outside_edges) != 0;
+    set.unseen += (contact.outside & outside_tactels) != 0;
+    set.wide_cells += (contact.outside & outside_cells) != 0;
   }
-  if constexpr (Contact::of_lines) set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
+  if constexpr (Contact::of_lines) set.never_slid += rows > 0 && contact.until_sliding && !steps.slid();
   return rows;
 }
 
@@ -611,8 +611,8 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   });
   put();
   for (const auto& [k, solution] : fallen) {
-    RowsFrom<StepsOfSolution<Contacts>> one{rows[k], {solution, &chunk.contacts[k]}};
-    put_rows(set, std::span(&one, 1));
+    RowsFrom<StepsOfSolution<Contacts>> row_of_fallen{rows[k], {solution, &chunk.contacts[k]}};
+    put_rows(set, std::span(&row_of_fallen, 1));
   }
   set.contact_parameters = std::move(chunk.parameters);
   if (chain_) measure(set, rows, chunk, fallen, alone);
@@ -651,7 +651,7 @@ void model_on(const Rung& rung, SceneSource& source, SetOptions& options) {
 SetColumns columns_of(const SceneSource& source) { return columns_of_kind(source); }
 SetColumns columns_of(const PadSource& source) { return columns_of_kind(source); }
 SetColumns columns_of(const AnySource& source) {
-  return std::visit([](const auto& of) { return columns_of_kind(of); }, source);
+  return std::visit([](const auto& kind) { return columns_of_kind(kind); }, source);
 }
 
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
@@ -659,7 +659,7 @@ SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const 
 SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options)
     : state_(std::make_unique<Simulator<PadContacts>>(executor, source, options)) {}
 SetSimulator::SetSimulator(Executor& executor, const AnySource& source, const SetOptions& options)
-    : SetSimulator(std::visit([&](const auto& of) { return SetSimulator(executor, of, options); }, source)) {}
+    : SetSimulator(std::visit([&](const auto& kind) { return SetSimulator(executor, kind, options); }, source)) {}
 
 SetSimulator::~SetSimulator() = default;
 SetSimulator::SetSimulator(SetSimulator&&) noexcept = default;

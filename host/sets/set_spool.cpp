@@ -31,20 +31,20 @@ std::size_t parameters_of(const SetColumns& columns) {
 }
 
 /// The rows of a chunk, dataset by dataset, then the parameters of its contacts: where they are.
-std::vector<std::string_view> payload_of(const ContactSet& rows, const SetColumns& of) {
+std::vector<std::string_view> payload_of(const ContactSet& rows, const SetColumns& columns) {
   std::vector<std::string_view> parts;
   const auto add = [&](const auto& values) {
     parts.emplace_back(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
   };
   each_dataset(rows, [&](const char* name, const auto& values, int, const char*) {
-    if (of.has(name)) add(values);
+    if (columns.has(name)) add(values);
   });
-  if (parameters_of(of) > 0) add(rows.contact_parameters);
+  if (parameters_of(columns) > 0) add(rows.contact_parameters);
   return parts;
 }
 
-ContactSet rows_from(const std::string& bytes, const ChunkHeader& header, const SetColumns& of) {
-  ContactSet set(of);
+ContactSet rows_from(const std::string& bytes, const ChunkHeader& header, const SetColumns& columns) {
+  ContactSet set(columns);
   std::size_t at = 0;
   const auto take = [&](auto& values, std::size_t count) {
     values.resize(count);
@@ -52,10 +52,10 @@ ContactSet rows_from(const std::string& bytes, const ChunkHeader& header, const 
     if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
     at += size;
   };
-  each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
-    take(values, header.rows * static_cast<std::size_t>(std::max(columns, 1)));
+  each_dataset(set, [&](const char*, auto& values, int width, const char*) {
+    take(values, header.rows * static_cast<std::size_t>(std::max(width, 1)));
   });
-  take(set.contact_parameters, header.contacts * parameters_of(of));
+  take(set.contact_parameters, header.contacts * parameters_of(columns));
   return set;
 }
 
@@ -110,7 +110,7 @@ void SetSpool::discard(const fs::path& output) {
 }
 
 SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
-                   Open how, Ring ring, std::uint64_t there)
+                   Open how, Ring ring, std::uint64_t existing)
     : output_(output),
       folder_(folder(output)),
       plan_sum_(checksum(plan)),
@@ -131,7 +131,7 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
       throw output_error(output_, "a file that can be written (" + error.code().message() + ")");
     }
   });
-  first_ = how == Open::join ? there : chunks();
+  first_ = how == Open::join ? existing : chunks();
   next_ = first_;
   while (next_ < count_ && owner(next_) != ring_.rank) ++next_;
 }
@@ -142,8 +142,8 @@ SetSpool::~SetSpool() {
 
 void SetSpool::check_plan(const std::string& plan, Open how) const {
   const fs::path path = folder_ / "plan";
-  const bool there = fs::exists(path);
-  if (how == Open::fresh && there)
+  const bool found = fs::exists(path);
+  if (how == Open::fresh && found)
     throw output_error(output_, "a new set: an interrupted run left chunks in " + folder_.string() +
                                     "; --resume continues it, --force starts anew");
   const auto same = [&] {
@@ -153,16 +153,16 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
       return false;
     }
   };
-  if (there && !same())
+  if (found && !same())
     throw output_error(output_,
                        "the set that was begun: " + folder_.string() +
                            " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
                            "named in it that has changed; --force starts anew");
-  if (!there && std::ranges::any_of(PlacedSet::header_files(folder_),
+  if (!found && std::ranges::any_of(PlacedSet::header_files(folder_),
                                     [](const fs::path& file) { return fs::file_size(file) > 0; }))
     throw output_error(output_, "a set whose plan is known: " + folder_.string() +
                                     " holds chunks, but its file `plan` is lost; put it back, or --force starts anew");
-  if (!there) write_file("--output", path, plan);
+  if (!found) write_file("--output", path, plan);
 }
 
 /// Refuses a chunk of another plan: it was copied in.
@@ -210,10 +210,6 @@ std::uint64_t SetSpool::rows() const {
   for (const ChunkHeader& header : placed_->chunks()) all += header.rows;
   return all;
 }
-
-bool SetSpool::torn() const { return torn_; }
-std::uint64_t SetSpool::bytes() const { return bytes_; }
-double SetSpool::seconds() const { return seconds_; }
 
 void SetSpool::fail(int error) const {
   throw output_error(output_, fmt::format("on a disk with room for it ({}); chunks are kept in {}, and --resume "
@@ -284,20 +280,22 @@ void SetSpool::send_stop() {
   ended_ = true;
 }
 
+bool SetSpool::next_has_come() {
+  const std::lock_guard lock(mutex_);
+  return waiting_.contains(next_);
+}
+
+/// Returns the next chunk of this process, where it has come and this process holds the end of the set.
 std::optional<SetSpool::Waiting> SetSpool::wait_for_next(std::chrono::milliseconds wait) {
-  std::unique_lock lock(mutex_);
-  const auto ready = [&] { return waiting_.contains(next_); };
-  if (holds_end_ && !ready()) {  // the rows behind the last ones may come late
-    lock.unlock();
-    if (!placed_->flush()) fail(errno);
-    lock.lock();
-  } else if (!holds_end_ && (ready() || next_ >= count_ || stopped_)) {  // this process has nothing else to wait for
-    lock.unlock();
+  if (holds_end_) {
+    if (!next_has_come() && !placed_->flush()) fail(errno);     // the rows behind the last ones may come late
+  } else if (next_has_come() || next_ >= count_ || stopped_) {  // only the end is missing: a message of another process
     std::this_thread::sleep_for(std::chrono::microseconds(100));
     return {};
   }
-  changed_.wait_for(lock, wait, [&] { return ready() || stopped_; });
-  if (!holds_end_ || !ready()) return {};
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, wait, [&] { return waiting_.contains(next_) || stopped_; });
+  if (!holds_end_ || !waiting_.contains(next_)) return {};
   return std::move(waiting_.extract(next_).mapped());
 }
 

@@ -34,11 +34,11 @@ class SetSpool {
  public:
   enum class Open { fresh, resume, join };  ///< join: the first process of the same run has opened it
   /// `plan` is all inputs of the rows, as text; `columns` the datasets of the set; `count` its chunks, of which the
-  /// first `there` exist where this process joins. Throws ConfigError where another run uses the folder, or where
+  /// first `existing` exist where this process joins. Throws ConfigError where another run uses the folder, or where
   /// `fresh` finds chunks to resume. Throws it also where the folder or a chunk belongs to another plan, chunks exist
   /// without a plan, or the folder cannot be written.
   SetSpool(const std::filesystem::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
-           Open how, Ring ring = {}, std::uint64_t there = 0);
+           Open how, Ring ring = {}, std::uint64_t existing = 0);
   ~SetSpool();
   SetSpool(const SetSpool&) = delete;
   SetSpool& operator=(const SetSpool&) = delete;
@@ -62,10 +62,10 @@ class SetSpool {
   /// counts of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are
   /// added to it. Removes the folder after the set has reached the disk. Throws ConfigError where a chunk is missing.
   void assemble(ContactSet& set, bool compress = false);
-  std::uint64_t rows() const;   ///< of all chunks
-  bool torn() const;            ///< whether chunks were found that were not whole, or behind one that was not
-  std::uint64_t bytes() const;  ///< written by this object
-  double seconds() const;       ///< that place() took, without waiting
+  std::uint64_t rows() const;          ///< of all chunks
+  bool torn() const { return torn_; }  ///< whether chunks were found that were not whole, or behind one that was not
+  std::uint64_t bytes() const { return bytes_; }  ///< written by this object
+  double seconds() const { return seconds_; }     ///< that place() took, without waiting
 
   static std::filesystem::path folder(const std::filesystem::path& output);
   /// Removes an earlier run's folder. Throws ConfigError while that run is still active.
@@ -87,6 +87,7 @@ class SetSpool {
   void receive();
   void send_end();
   void send_stop();
+  bool next_has_come();
   std::optional<Waiting> wait_for_next(std::chrono::milliseconds wait);
   void copy_rows(ContactSetWriter& writer) const;
 

@@ -66,11 +66,11 @@ std::string read_bounded_file(const std::filesystem::path& path, std::uintmax_t 
   const std::uintmax_t size = file.size();
   if (size > most) decline("it is larger than " + size_in_words(most));
   std::string content(size, '\0');
-  std::size_t there = 0;
-  for (std::size_t got = 1; got > 0 && there < content.size(); there += got)
-    got = file.read(content.data() + there, content.size() - there);
+  std::size_t length = 0;
+  for (std::size_t got = 1; got > 0 && length < content.size(); length += got)
+    got = file.read(content.data() + length, content.size() - length);
   char beyond = 0;
-  if (there < content.size() || file.read(&beyond, 1) > 0) decline("it changed while it was read");
+  if (length < content.size() || file.read(&beyond, 1) > 0) decline("it changed while it was read");
   return content;
 }
 

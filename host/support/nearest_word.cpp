@@ -34,11 +34,11 @@ std::string in_small_letters(std::string_view word) {
 
 }  // namespace
 
-std::string did_you_mean(std::string_view word, std::span<const std::string> known) {
+std::string did_you_mean(std::string_view word, std::span<const std::string> words) {
   std::string nearest;
   const std::string typed = in_small_letters(word);
   int fewest = std::max(1, static_cast<int>(word.size()) / 3) + 1;  // a third of the letters may be wrong
-  for (const std::string& candidate : known) {
+  for (const std::string& candidate : words) {
     const bool begun = typed.size() >= 3 && candidate.starts_with(typed);
     const int count = begun ? 1 : edits(typed, in_small_letters(candidate));
     if (count < fewest) {

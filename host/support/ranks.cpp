@@ -64,11 +64,11 @@ void Ranks::send(int rank, std::string bytes) {
 
 std::optional<std::string> Ranks::receive() const {
   if (!started_) return {};
-  int there = 0, size = 0;
+  int waits = 0, size = 0;
   MPI_Message message = MPI_MESSAGE_NULL;
   MPI_Status status;
-  MPI_Improbe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &there, &message, &status);
-  if (!there) return {};
+  MPI_Improbe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &waits, &message, &status);
+  if (!waits) return {};
   MPI_Get_count(&status, MPI_BYTE, &size);
   std::string bytes(static_cast<std::size_t>(size), '\0');
   MPI_Mrecv(bytes.data(), size, MPI_BYTE, &message, MPI_STATUS_IGNORE);

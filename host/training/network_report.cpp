@@ -101,8 +101,8 @@ std::optional<double> median_of_mean(const Group& group, std::span<const Network
                                      Kinds nn::ErrorReport::*kinds, int kind) {
   std::vector<double> means;
   for (const std::size_t i : group.networks) {
-    const Kinds& own = results[i].errors.*kinds;
-    if (const auto found = own.find(kind); found != own.end()) means.push_back(found->second.mean);
+    const Kinds& errors = results[i].errors.*kinds;
+    if (const auto found = errors.find(kind); found != errors.end()) means.push_back(found->second.mean);
   }
   if (means.empty()) return std::nullopt;
   return nn::quantile(means, 0.5);

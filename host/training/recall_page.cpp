@@ -39,17 +39,18 @@ std::vector<Judged> judged(std::span<const NamedNetwork> networks, std::span<con
   for (std::size_t i = 0; i < networks.size(); ++i) all.push_back({&networks[i], &results[i], {}, {}, {}});
   std::ranges::stable_sort(all, {}, &Judged::mean);
   for (std::size_t i = 0; i < std::min(best, all.size()); ++i) {
-    Judged& one = all[i];
-    one.truth.assign(set.slip_index.begin(), set.slip_index.end());
-    one.predicted.assign(one.result->slip_index.begin(), one.result->slip_index.end());
-    for (std::size_t k = 0; k < one.truth.size(); ++k) one.errors.push_back(std::abs(one.predicted[k] - one.truth[k]));
+    Judged& network = all[i];
+    network.truth.assign(set.slip_index.begin(), set.slip_index.end());
+    network.predicted.assign(network.result->slip_index.begin(), network.result->slip_index.end());
+    for (std::size_t k = 0; k < network.truth.size(); ++k)
+      network.errors.push_back(std::abs(network.predicted[k] - network.truth[k]));
   }
   return all;
 }
 
-double share_of_large_errors(const Judged& one) {
-  const auto large = std::ranges::count_if(one.errors, [](double e) { return e > large_error; });
-  const std::size_t count = one.result->errors.all.count;
+double share_of_large_errors(const Judged& network) {
+  const auto large = std::ranges::count_if(network.errors, [](double e) { return e > large_error; });
+  const std::size_t count = network.result->errors.all.count;
   return count > 0 ? static_cast<double>(large) / static_cast<double>(count) : 0;
 }
 
@@ -115,19 +116,20 @@ int columns_for(Shown shown) { return shown.size() < 3 ? 2 : 3; }
 
 Figure predicted_figure(Shown shown) {
   Figure figure{.columns = columns_for(shown), .panel_height = 300};
-  for (const Judged& one : shown) figure.panels.push_back(predicted_panel(one.truth, one.predicted, one.name()));
+  for (const Judged& network : shown)
+    figure.panels.push_back(predicted_panel(network.truth, network.predicted, network.name()));
   return figure;
 }
 
 Figure distribution_figure(Shown shown) {
   Figure figure{.columns = columns_for(shown), .panel_height = 250};
   double most = 0.05;
-  for (const Judged& one : shown)
-    if (one.result->errors.all.count > 0)
-      most = std::max(most, one.result->errors.all.mean + 3 * one.result->errors.all.std);
-  for (const Judged& one : shown)
+  for (const Judged& network : shown)
+    if (network.result->errors.all.count > 0)
+      most = std::max(most, network.result->errors.all.mean + 3 * network.result->errors.all.std);
+  for (const Judged& network : shown)
     figure.panels.push_back(
-        error_histogram(one.errors, most, one.name(), {{"mean", one.result->errors.all.mean, Ink::black}}));
+        error_histogram(network.errors, most, network.name(), {{"mean", network.result->errors.all.mean, Ink::black}}));
   return figure;
 }
 
@@ -189,7 +191,8 @@ PageTable coverage_page_table(const BoundReport& report, const std::vector<std::
 
 /// The bound of the best network that has one.
 void add_coverage(Page& page, const std::vector<Judged>& all, const std::vector<std::string>& indenter_names) {
-  const auto bounded = std::ranges::find_if(all, [](const Judged& one) { return one.result->bound.has_value(); });
+  const auto bounded =
+      std::ranges::find_if(all, [](const Judged& network) { return network.result->bound.has_value(); });
   if (bounded == all.end()) return;
   const nn::Bound& bound = *bounded->network->model.bound;
   page.section("Bound");

@@ -78,9 +78,10 @@ void TrainingDirectory::check(bool resume, bool force) const {
   if (!force && interrupted())
     refuse_directory(
         path_, "a directory without an interrupted training, or --resume to continue it, or --force to train anew");
-  const std::vector<std::string> own = own_networks();
+  const std::vector<std::string> expected = own_networks();
   for (const fs::directory_entry& entry : fs::directory_iterator(path_))
-    if (entry.path().extension() == ".onnx" && std::ranges::find(own, entry.path().filename().string()) == own.end())
+    if (entry.path().extension() == ".onnx" &&
+        std::ranges::find(expected, entry.path().filename().string()) == expected.end())
       refuse_directory(path_,
                        "a directory without networks of another origin (" + entry.path().filename().string() + ")");
 }

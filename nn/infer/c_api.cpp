@@ -162,9 +162,9 @@ void tactel_alarm_free(tactel_alarm* alarm) { delete alarm; }
 tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count) {
   if (alarm == nullptr || frame == nullptr)
     return {refused("tactel_alarm_next: no alarm or frame; give both"), -1, NAN, 0, 1, -1, NAN};
-  const tactel::AlarmAnswer said = alarm->alarm.next({frame, count});
-  return {c_answer(said.answer), said.contact ? int{*said.contact} : -1, said.acted_on, said.on,
-          said.cannot_tell,      said.rest ? int{*said.rest} : -1,       said.moved};
+  const tactel::AlarmAnswer answer = alarm->alarm.next({frame, count});
+  return {c_answer(answer.answer), answer.contact ? int{*answer.contact} : -1, answer.acted_on, answer.on,
+          answer.cannot_tell,      answer.rest ? int{*answer.rest} : -1,       answer.moved};
 }
 
 void tactel_alarm_rest(tactel_alarm* alarm) {

@@ -414,8 +414,8 @@ NetworkFile read(string_view bytes) {
   if (text_of(contents.metadata, checksum_key) != checksum_of(contents.tensors, contents.metadata))
     throw Refused{"damaged (its checksum does not match)"};
   nn::Model model = model_of(contents);
-  const string again = bytes_of(model, text_of(contents.metadata, "tactel"));
-  if (sorted_fields(bytes) != sorted_fields(again)) throw Refused{"a model of another form"};
+  const string written = bytes_of(model, text_of(contents.metadata, "tactel"));
+  if (sorted_fields(bytes) != sorted_fields(written)) throw Refused{"a model of another form"};
   return {std::move(model), std::move(contents.metadata)};
 }
 

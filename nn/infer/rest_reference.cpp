@@ -62,11 +62,11 @@ float RestReference::next(std::span<const float> frame, bool touches) noexcept {
     if (++apart_ >= released) forget();
     return none;
   }
-  const double now = force(frame);
-  if (std::exchange(apart_, 0) > 0 && (!found_ || now < force_ / another_grip)) forget();
+  const double grip = force(frame);
+  if (std::exchange(apart_, 0) > 0 && (!found_ || grip < force_ / another_grip)) forget();
   if (found_) {
-    tightening_ = now > tighter * force_ ? std::min(tightening_ + 1, share * enough) : 0;
-    if (now > another_grip * force_) found_ = false, still_ = 0, moving_ = std::exchange(tightening_, 0);
+    tightening_ = grip > tighter * force_ ? std::min(tightening_ + 1, share * enough) : 0;
+    if (grip > another_grip * force_) found_ = false, still_ = 0, moving_ = std::exchange(tightening_, 0);
   }
   if (!found_) seek(frame);
   std::ranges::copy(frame, last_.begin());

@@ -39,19 +39,15 @@ Tally run(const Case& of, int sensors) {
     const CalibrationOptions options{.rest_noise = s.noise / s.gain.array()};
     const SensorCalibration c = calibrate_sensor(family(), s.presses, nominal(), options);
     EXPECT_TRUE(c.converged) << of.name << ' ' << k;
-    const auto within = [](const Fitted& found, double value) {
-      return std::abs(found.value - value) <= 2 * found.deviation;
-    };
-    for (std::size_t i = 0; i < c.gain.size(); ++i) sum.gains_within += within(c.gain[i], s.gain[static_cast<int>(i)]);
+    sum.gains_within += gains_within(c, s.gain);
     sum.gains += static_cast<double>(c.gain.size());
     sum.young_within += within(c.young, s.young) / static_cast<double>(sensors);
     sum.poisson_within += within(c.poisson, s.poisson) / static_cast<double>(sensors);
     sum.young_error += std::abs(c.young.value / s.young - 1) / sensors;
     sum.young_deviation += c.young.deviation / s.young / sensors;
-    sum.misfits += std::ranges::any_of(
-        c.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::model_misfit; });
+    sum.misfits += !texts(c, CalibrationFault::Kind::model_misfit).empty();
     if (k == 0)
-      for (const CalibrationFault& fault : c.faults) printf("%s: %s\n", of.name, fault.text.c_str());
+      for (const std::string& text : texts(c)) printf("%s: %s\n", of.name, text.c_str());
   }
   printf("| %s | %.1f %% | %.1f %% | %.1f %% | %.2f %%, %.2f %% | %.0f of %d |\n", of.name,
          100 * sum.gains_within / sum.gains, 100 * sum.young_within, 100 * sum.poisson_within, 100 * sum.young_error,

@@ -36,16 +36,10 @@ Tally calibrate_pads(std::size_t pads, int elements, const PadAs& as) {
     const SimulatedPad& s = simulated[k];
     const SensorCalibration& c = found[k];
     EXPECT_TRUE(c.converged) << k;
-    EXPECT_THAT(c.faults, testing::IsEmpty()) << k << ": " << (c.faults.empty() ? "" : c.faults[0].text);
-    const auto within = [](const Fitted& fitted, double value) {
-      return std::abs(fitted.value - value) <= 2 * fitted.deviation;
-    };
-    for (Eigen::Index i = 0; i < s.gain.size(); ++i) {
-      const Fitted& gain = c.gain[static_cast<std::size_t>(i)];
-      sum.gains_within += within(gain, s.gain[i]);
-      deviation += gain.deviation / s.gain[i];
-      sum.gains += 1;
-    }
+    EXPECT_THAT(texts(c), testing::IsEmpty()) << k;
+    for (Eigen::Index i = 0; i < s.gain.size(); ++i)
+      deviation += c.gain[static_cast<std::size_t>(i)].deviation / s.gain[i], sum.gains += 1;
+    sum.gains_within += gains_within(c, s.gain);
     sum.young += within(c.young, s.young);
     sum.poisson += within(c.poisson, s.poisson);
     sum.thickness += within(c.thickness, s.thickness);
@@ -98,13 +92,12 @@ TEST(PadCalibration, FaultsOfChannelsAreNamed) {
     if (press.readings.minCoeff() < least) least = press.readings.minCoeff(&row, &lowest);
   options.lowest_reading = least;
   const SensorCalibration c = calibrate(s, options);
-  std::vector<std::string> texts;
-  for (const CalibrationFault& fault : c.faults) texts.push_back(fault.text);
   using testing::HasSubstr;
-  EXPECT_THAT(texts, testing::UnorderedElementsAre(
-                         HasSubstr("shear stress along y of tactel 5: the reading never changes"),
-                         HasSubstr("shear stress along x of tactel 1 and shear stress along y of tactel 8 are swapped"),
-                         HasSubstr(transducer_name(lowest, 48, 16) + ": 1 of 100 readings are at an end")));
+  EXPECT_THAT(texts(c),
+              testing::UnorderedElementsAre(
+                  HasSubstr("shear stress along y of tactel 5: the reading never changes"),
+                  HasSubstr("shear stress along x of tactel 1 and shear stress along y of tactel 8 are swapped"),
+                  HasSubstr(transducer_name(lowest, 48, 16) + ": 1 of 100 readings are at an end")));
   for (const std::size_t channel : {37u, 17u, 40u}) EXPECT_TRUE(std::isnan(c.gain[channel].value)) << channel;
   EXPECT_NEAR(c.gain[20].value, s.gain[20], 4 * c.gain[20].deviation);
 }
@@ -123,9 +116,8 @@ TEST(PadCalibration, TheTiltOfAFlatIsNamed) {
   SimulatedPad s = simulate_pad(4, presses, few_cells);
   presses = pad_presses();
   for (std::size_t k = 0; k < presses.size(); ++k) s.presses[k].scene = presses[k].scene;
-  std::vector<std::string> texts;
-  for (const CalibrationFault& fault : calibrate(s, {.fit_thickness = true}).faults) texts.push_back(fault.text);
-  EXPECT_THAT(texts, testing::Contains(testing::HasSubstr("tilt of the indenters along their y")));
+  EXPECT_THAT(texts(calibrate(s, {.fit_thickness = true})),
+              testing::Contains(testing::HasSubstr("tilt of the indenters along their y")));
 }
 
 /// Answers elsewhere, of presses that are made there, follow the derivatives.

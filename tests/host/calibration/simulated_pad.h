@@ -7,7 +7,7 @@
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
-#include "host/calibration/sensor_calibration.h"
+#include "tests/host/calibration/judged_calibration.h"
 
 namespace tactel::host {
 

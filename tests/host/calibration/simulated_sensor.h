@@ -6,7 +6,7 @@
 #include <string>
 #include <tuple>
 
-#include "host/calibration/sensor_calibration.h"
+#include "tests/host/calibration/judged_calibration.h"
 
 namespace tactel::host {
 

@@ -76,9 +76,7 @@ void expect_named_scenes(double near, double near_S) {
 
 TEST(PadContact, NamedScenesInFp32) { expect_named_scenes<float>(2e-4, 2e-4); }
 
-TEST(PadContact, NamedScenesInFp64) {
-  if (executor().device().info().fp64) expect_named_scenes<double>(2e-5, 2e-4);  // S: four rounds of the margin
-}
+TEST(PadContact, NamedScenesInFp64) { expect_named_scenes<double>(2e-5, 2e-4); }  // S: four rounds of the margin
 
 /// Differences of the kernel from the twin on the same cells, largest of the steps of each scene.
 struct Difference {

@@ -125,19 +125,7 @@ TEST_F(PatchSet, TheLogHearsHowManyTablesAreMade) {
 
 TEST_F(PatchSet, AnyRangeGivesTheSameRows) {
   const SetSimulator simulator(executor_, source_, {});
-  const ContactSet whole = simulator.simulate(0, 60);
-  std::size_t row = 0;
-  for (const auto& [first, count] : {std::pair{0, 7}, {7, 1}, {8, 52}}) {
-    const ContactSet part = simulator.simulate(first, count);
-    for (std::size_t k = 0; k < part.slip_index.size(); ++k, ++row) {
-      ASSERT_EQ(part.contact[k], whole.contact[row]);
-      EXPECT_EQ(part.slip_index[k], whole.slip_index[row]);
-      EXPECT_TRUE(std::equal(part.frames.begin() + static_cast<std::ptrdiff_t>(k * part.inputs),
-                             part.frames.begin() + static_cast<std::ptrdiff_t>((k + 1) * part.inputs),
-                             whole.frames.begin() + static_cast<std::ptrdiff_t>(row * part.inputs)));
-    }
-  }
-  EXPECT_EQ(row, whole.slip_index.size());
+  expect_ranges_make(simulator.simulate(0, 60), simulator, {{0, 7}, {7, 1}, {8, 52}});
 }
 
 /// S as a set has it: rounding of Q / (mu P) beyond 1 is cut.
@@ -255,19 +243,7 @@ TEST_F(OwnSensors, AnyRangeGivesTheSameRows) {
   const SetSimulator simulator(executor_, source_, {});
   const ContactSet whole = simulator.simulate(0, 60);
   EXPECT_EQ(whole.unsolved, 0u);
-  std::size_t row = 0;
-  for (const auto& [first, count] : {std::pair{0, 7}, {7, 1}, {8, 52}}) {
-    const ContactSet part = simulator.simulate(first, count);
-    for (std::size_t k = 0; k < part.rows(); ++k, ++row) {
-      ASSERT_EQ(part.contact[k], whole.contact[row]);
-      EXPECT_EQ(part.slip_index[k], whole.slip_index[row]);
-      EXPECT_EQ(part.thickness[k], whole.thickness[row]);
-      EXPECT_TRUE(std::equal(part.frames.begin() + static_cast<std::ptrdiff_t>(k * part.inputs),
-                             part.frames.begin() + static_cast<std::ptrdiff_t>((k + 1) * part.inputs),
-                             whole.frames.begin() + static_cast<std::ptrdiff_t>(row * part.inputs)));
-    }
-  }
-  EXPECT_EQ(row, whole.rows());
+  expect_ranges_make(whole, simulator, {{0, 7}, {7, 1}, {8, 52}});
 }
 
 /// What the model of each sensor, with a condensation of its own, says of the same contact.

@@ -2,10 +2,13 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <utility>
 
-#include "host/sets/contact_set.h"
+#include "host/sets/set_simulator.h"
 
 namespace tactel::host {
 
@@ -22,6 +25,16 @@ inline void expect_same_bytes(const ContactSet& found, const ContactSet& expecte
   const auto wanted = bytes_of(expected);
   EXPECT_GT(wanted.size(), 10u);
   for (const auto& [name, bytes] : bytes_of(found)) EXPECT_TRUE(bytes == wanted.at(name)) << name;
+}
+
+/// The rows of these ranges of contacts, {first, count} one behind the other, are those of the whole set, bit for bit.
+inline void expect_ranges_make(const ContactSet& whole, const SetSimulator& simulator,
+                               std::initializer_list<std::pair<std::uint64_t, std::size_t>> ranges) {
+  EXPECT_GT(whole.rows(), 0u);
+  std::map<std::string, std::string> together;
+  for (const auto& [first, count] : ranges)
+    for (const auto& [name, bytes] : bytes_of(simulator.simulate(first, count))) together[name] += bytes;
+  for (const auto& [name, bytes] : bytes_of(whole)) EXPECT_TRUE(bytes == together[name]) << name;
 }
 
 }  // namespace tactel::host
