@@ -9,8 +9,8 @@
 
 #include "fem/value_error.h"
 #include "host/calibration/press_recordings.h"
-#include "host/scenes/scene_json.h"
 #include "host/scenes/scene_file.h"
+#include "host/scenes/scene_json.h"
 
 namespace tactel::host {
 namespace {

@@ -129,8 +129,7 @@ std::string choice(const SolveOutcome& outcome) { return outcome.plan ? outcome.
 std::string choice(const PadOutcome& outcome) {
   if (!outcome.accuracy) return "";
   return fmt::format("rung {} ({}): expected error in S {:.2g}, requested {:g}", outcome.rung.name,
-                     description(outcome.rung), outcome.error ? outcome.error->expected.S : 0,
-                     *outcome.accuracy);
+                     description(outcome.rung), outcome.error ? outcome.error->expected.S : 0, *outcome.accuracy);
 }
 
 int solve_scene(const SolveRequest& request, const auto& asked) {

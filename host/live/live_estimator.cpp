@@ -101,8 +101,7 @@ class SharedLaunch {
   SharedLaunch(Executor& executor, std::span<const nn::Model* const> of_sensors,
                const std::vector<const nn::Model*>& networks)
       : forward_(forward_of(executor, networks)),
-        inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()),
-                                           networks.front()->stresses())),
+        inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()), networks.front()->stresses())),
         frames_(executor.device(), inputs_),
         buffer_(frames_.buffer()),
         found_(networks.size()) {

@@ -35,8 +35,9 @@ struct ProductionReport {
 };
 
 /// Simulates the missing chunks of the spool that are this process's. Each device has one thread more than it computes
-/// with, eight at most; a GPU eight. A thread draws the contacts of a chunk, lays them out, solves them and gathers their rows, then
-/// takes the next chunk. The calling thread writes. Rethrows the exception of any thread after all have stopped.
+/// with, eight at most; a GPU eight. A thread draws the contacts of a chunk, lays them out, solves them and gathers
+/// their rows, then takes the next chunk. The calling thread writes. Rethrows the exception of any thread after all
+/// have stopped.
 ProductionReport produce_set(const AnySource& source, SetSpool& spool, const ProductionOptions& options);
 
 }  // namespace tactel::host

@@ -63,8 +63,8 @@ enum PadResultRow {
   PAD_RESULT_QY,                   /* N */
   PAD_RESULT_M,                    /* N mm about the indenter's axis */
   PAD_RESULT_OUTSIDE,              /* sum of 1, 2, 4, 8: beyond the side -x, +x, -y, +y the surface is penetrated */
-  PAD_RESULT_AREA,          /* mm^2 of the cells that touch */
-  PAD_RESULT_LEFT,          /* mm along the pad from the indenter's axis to the edges of the outermost such cells: x */
+  PAD_RESULT_AREA,                 /* mm^2 of the cells that touch */
+  PAD_RESULT_LEFT, /* mm along the pad from the indenter's axis to the edges of the outermost such cells: x */
   PAD_RESULT_RIGHT,
   PAD_RESULT_BELOW, /* y */
   PAD_RESULT_ABOVE,

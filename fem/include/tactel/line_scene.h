@@ -13,8 +13,8 @@ namespace tactel {
 /// Finite elements of a mesh. `bbar`: Q4 with mean dilatation (Hughes 1980); `q4`: full 2x2 integration; `q4i`: Q4 with
 /// incompatible modes (Taylor, Beresford and Wilson 1976); `q8`: serendipity, 3x3 integration.
 enum class Element { bbar, q4, q4i, q8 };
-/// Recovery of the stress at the base: from nodal reactions through the consistent mass of the base edge, or from stresses
-/// extrapolated from the 2x2 Gauss points and averaged at nodes.
+/// Recovery of the stress at the base: from nodal reactions through the consistent mass of the base edge, or from
+/// stresses extrapolated from the 2x2 Gauss points and averaged at nodes.
 enum class StressRecovery { reaction, element };
 
 // Profiles of a rigid indenter: height y [mm] above its lowest point at distance r = |x - position| [mm].
