@@ -55,7 +55,8 @@ struct Taken {
           const std::array<int, 2> tactels = scenes[i].sensor.tactels;
           std::vector<double> stress(static_cast<std::size_t>(3 * tactels[0] * tactels[1]));
           for (int k = 0; k < answer.steps; ++k) {
-            for (const int row : {int{RESULT_P}, int{PAD_RESULT_QX}, PAD_RESULT_QY, PAD_RESULT_M, RESULT_DEPTH})
+            for (const int row :
+                 {int{RESULT_P}, int{PAD_RESULT_QX}, int{PAD_RESULT_QY}, int{PAD_RESULT_M}, int{RESULT_DEPTH}})
               numbers[i].push_back(answer.result(k, row));
             answer.tactels(k, std::span(stress));
             numbers[i].insert(numbers[i].end(), stress.begin(), stress.end());
