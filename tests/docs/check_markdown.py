@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 
-FOLDERS = ("bench", "docs", "examples", "fem", "host", "hw", "kernels", "nn", "scripts", "tests")
+FOLDERS = ("bench", "docs", "examples", "fem", "host", "hw", "kernels", "nn", "scripts", "studies", "tests")
 PLACEHOLDER = re.compile(r"[A-Z]{3,}|\.\.\.")  # host/ROOM/NAME.h
 WIDEST = 100
 PAST = re.compile(r"\b(before|now|nowadays|was|were|wasn't|weren't|formerly|previously|no longer|used to|until now|so far|"

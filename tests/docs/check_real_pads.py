@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/studies/real_pads.py on a folder of numbers made here: zero, gains and scores by hand, S by another reader of the network,
+"""studies/real_pads.py on a folder of numbers made here: zero, gains and scores by hand, S by another reader of the network,
 errors. Usage: check_real_pads.py BUILD"""
 import contextlib
 import io
@@ -11,7 +11,7 @@ import unittest
 import numpy as np
 
 TESTS = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS.parent / "docs/studies"), str(TESTS / "python")]
+sys.path[:0] = [str(TESTS.parent / "studies"), str(TESTS / "python")]
 import onnx_numpy  # noqa: E402
 import real_pads  # noqa: E402
 

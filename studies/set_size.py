@@ -3,7 +3,7 @@
 """Recall error against the size of the learning set, at equal work: network 42-42-21-1 sees ten million rows of sets
 of 10^2 ... 10^7 rows. Prints a table and draws docs/set_size.svg.
 
-Usage: docs/studies/set_size.py [--build build] FOLDER  (for the sets, 3 GB)"""
+Usage: studies/set_size.py [--build build] FOLDER  (for the sets, 3 GB)"""
 import json
 import pathlib
 
@@ -12,7 +12,7 @@ import numpy as np
 
 import study
 
-EXAMPLES = study.DOCS.parent / "examples"
+EXAMPLES = study.ROOT / "examples"
 BLOCK = 80_000  # rows that a training reads at a time; smaller sets are repeated to fill it
 SEEN = 10_000_000
 

@@ -7,7 +7,7 @@ tactel records them, tares, calibrates, and reads S of other drags with a networ
 elements in finer load steps (`solve --solver full-mesh`), and from the measuring chain and the wire format below; the
 calibration fits contacts on patches. Both share the scene file and nothing else.
 
-Usage: docs/studies/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
+Usage: studies/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
 --check: one sensor, a small network, and bounds on the errors; a test. The work directory keeps answers of the finite
 elements and the network. Lengths are in mm, stresses in MPa, forces in N/mm, times in s. Debian: python3-numpy,
 libumockdev-preload0."""

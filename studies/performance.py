@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures rates, sets and starts, and prints their tables; --write makes a page of them, docs/notebook/DATE-performance.md.
 
-Usage: docs/studies/performance.py [--build build] [--json FILE] [--contacts N] [--write]
+Usage: studies/performance.py [--build build] [--json FILE] [--contacts N] [--write]
 --json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring; sets, start and memory are always measured.
 --contacts: of each set that is timed. Three minutes and 1.2 GB of $TMPDIR on an idle machine."""
 import datetime
@@ -18,7 +18,7 @@ import tempfile
 import time
 
 import study
-from study import DOCS, row
+from study import DOCS, ROOT, row
 
 FILTER = ("^contact/(mesh_[AB]/fp(32|64)/real|mesh_B/reference|patch_[0-9]+/mix)|^contact/mesh_[AB]/tactels|^contact/patch_12_sensors|^scaling/|fma_peak/fp32"
           "|^train/(online/6x100/kernel|batch/42-42-21-1/adam.*/64)|^forward/42-42-21-1/(kernel/threads:[12]/(4096|262144)|one_frame)")
@@ -148,7 +148,7 @@ def measure(command, **environment):
 
 def sets(program, contacts):
     """Sets and a stream from start to end; sets on cores and by processes. A run of few contacts first fills caches of kernels and tables."""
-    mix = (DOCS.parent / "examples/learning_mix.toml").read_text()
+    mix = (ROOT / "examples/learning_mix.toml").read_text()
     cores = sorted(os.sched_getaffinity(0))
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -199,7 +199,7 @@ def sets(program, contacts):
 def start(program):
     """`tactel solve` with empty caches and with full ones: the first run and the median of ten."""
     lines = [study.head("`tactel solve`, start to end", "empty caches", "full caches", "memory")]
-    examples = DOCS.parent / "examples"
+    examples = ROOT / "examples"
     for shown, scene in (("a patch, `cylinder.toml`", "cylinder.toml"), ("a mesh, `parabola.toml`", "parabola.toml")):
         with tempfile.TemporaryDirectory() as cache:
             runs = [measure([program, "solve", examples / scene, "--quiet"], TACTEL_CACHE_DIR=cache) for _ in range(11)]
@@ -225,7 +225,7 @@ def main():
     runs, program = Runs(text), study.Program(options.build).path
     parts = {"Contacts": contacts(runs), "From file to set": sets(program, options.contacts), "Scaling": scaling(runs),
              "Networks": networks(runs), "One frame": one_frame(runs), "First use": start(program)}
-    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/studies/performance.py` wrote this page.\n"
+    page = "# Performance: what was measured\n\n" + runs.machine() + "`studies/performance.py` wrote this page.\n"
     for heading, lines in parts.items():
         page += f"\n## {heading}\n\n" + "\n".join(lines) + "\n"
     print(page)

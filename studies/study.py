@@ -4,7 +4,8 @@ import argparse
 import pathlib
 import subprocess
 
-DOCS = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+DOCS = ROOT / "docs"
 EXACT, BLUE, ORANGE, GREEN = "#222222", "#1f5fa8", "#d9660a", "#2e7d32"
 LOOKS = {"font.size": 10, "axes.grid": True, "grid.color": "#dddddd", "axes.axisbelow": True, "legend.frameon": False,
          "svg.fonttype": "none", "svg.hashsalt": "tactel", "font.family": "DejaVu Sans", "lines.markersize": 5,

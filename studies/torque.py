@@ -5,7 +5,7 @@
 Simulates drags with twist until sliding on a pad of 4 x 4 tactels, from pure drags to pure twists. Prints the tables of
 docs/notebook/2026-11-23-torque.md; --figure draws its figure. Some minutes on two cores.
 
-Usage: docs/studies/torque.py [--build build] [--contacts 20000] [--seeds 2] [--history 4] [--figure FILE.svg] [--check]
+Usage: studies/torque.py [--build build] [--contacts 20000] [--seeds 2] [--history 4] [--figure FILE.svg] [--check]
 --contacts: of the learning set; a fifth as many judge. --check: simulates a few drags, and checks the exact numbers.
 
 An alarm begins at the first step at which the estimate reaches a threshold U; a drag is detected where that is before

@@ -3,7 +3,7 @@
 """Slip index and `moved` of two real pads that hold a box, judged by the motion of a marker on the box: prints tables such as those
 of docs/notebook/2026-11-26-real-pads.md and draws a figure of each trial.
 
-Usage: docs/studies/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N] [--shear-gain R]
+Usage: studies/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N] [--shear-gain R]
 FOLDER holds trials data_sample_*, such as the folder data_set of github.com/imanlab/proactive-slip-control (MIT): Nazari, Mandil
 and Ghalamzan, "Proactive slip control by learned slip model and trajectory adaptation", CoRL 2022. A trial has counts of two uSkin
 pads (xela_sensor1.csv, xela_sensor2.csv), times (robot_state.csv) and places of a marker (marker.csv).

@@ -3,7 +3,7 @@
 """Compares tactel with closed forms, and its patch with its mesh: prints tables such as those of
 docs/notebook/2026-11-23-validation.md and docs/pads-validation.md and draws their figures, docs/validation_*.svg.
 
-Usage: PYTHONPATH=build/python docs/studies/validation.py [--build build] [NAME...]  (the sections to run, all by default)
+Usage: PYTHONPATH=build/python studies/validation.py [--build build] [NAME...]  (the sections to run, all by default)
 Pads are solved by the program.
 Lengths are in mm, stresses in MPa, forces in N/mm. Debian: python3-numpy, python3-matplotlib."""
 import json
