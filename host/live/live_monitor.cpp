@@ -90,6 +90,11 @@ void take_pad(std::span<const float> all, std::size_t all_tactels, std::size_t f
 void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
   const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
   const auto frames = static_cast<std::size_t>(model.history.frames);
+  if (model.scaling.features == nn::Features::pad)
+    for (const PadLayout& pad : profile.pads)
+      if (pad.count() == tactels && pad.tactels[0] != model.scaling.columns)
+        throw ConfigError("command line", "--network", fmt::format("for {} tactels along x", model.scaling.columns),
+                          fmt::format("for {}, as the pad of {} has", pad.tactels[0], profile.name));
   if (static_cast<std::size_t>(model.stresses()) == inputs * frames) return;
   throw ConfigError(
       "command line", "--network", model.weights.topology.text(),

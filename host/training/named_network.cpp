@@ -51,6 +51,10 @@ void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
                       frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())
                                   : fmt::format("a network with {} inputs, {} frames of the set",
                                                 frames * set.frames.cols(), frames));
+  const nn::InputScaling& scaling = network.model.scaling;
+  if (scaling.features == nn::Features::pad && set.columns > 0 && set.columns != scaling.columns)
+    throw ConfigError(network.file, "tactel_columns", fmt::format("{}", scaling.columns),
+                      fmt::format("a network for {} tactels along x, as the set has", set.columns));
 }
 
 // How many networks from `first` on share topology and scaling, and fit into one run.

@@ -105,6 +105,11 @@ TEST(TrainCommand, PadsLearnWithFeatures) {
   EXPECT_EQ(model.weights.topology.text(), "66-8-3");  // 48 stresses, 17 sums, the share of the peak
   EXPECT_EQ(model.scaling.columns, 4);
   EXPECT_TRUE(model.scaling.square);
+  nn::Model turned = model;
+  turned.scaling.columns = 2, turned.scaling.square = false;
+  write_onnx(folder / "turned.onnx", turned);
+  EXPECT_TRUE(
+      is_refused(run_tactel({"recall", folder / "turned.onnx", set}), {"tactel_columns = 2", "4 tactels along x"}));
   EXPECT_GT(recall_json(nets, set)["networks"][0]["bound"]["coverage"].get<double>(), 0.5);
 }
 
