@@ -28,6 +28,7 @@
 
 #include "bench/unlike_pads.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_reference.h"
 #include "host/answers/rung_error.h"
 #include "host/answers/solve.h"
 
