@@ -4,7 +4,6 @@
 #include "host/networks/network_training.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>

@@ -2,7 +2,6 @@
 
 // Frames block by block, and networks that learn from them.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
