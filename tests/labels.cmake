@@ -57,6 +57,7 @@ foreach(program fem layer pad nn hw support figures scenes device networks conta
     endif()
     if(name MATCHES "Slow/" OR suite IN_LIST slow)
       list(APPEND labels slow)
+      set_tests_properties("${test}" PROPERTIES COST 10)  # begins before the short ones, so that no processor waits for it at the end
     endif()
     if(name MATCHES "Nightly/")
       set(labels nightly)

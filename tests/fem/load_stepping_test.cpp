@@ -2,7 +2,6 @@
 #include "fem/load_stepping.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace tactel::fem {
 namespace {

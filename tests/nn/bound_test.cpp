@@ -4,7 +4,6 @@
 #include "nn/bound.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>

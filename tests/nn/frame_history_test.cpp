@@ -4,7 +4,6 @@
 #include "nn/frame_history.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 #include <optional>

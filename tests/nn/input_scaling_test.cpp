@@ -2,7 +2,6 @@
 #include "nn/input_scaling.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>

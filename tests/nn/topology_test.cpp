@@ -2,7 +2,6 @@
 #include "nn/topology.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/fem/expect_error.h"
 

@@ -2,7 +2,6 @@
 
 // Scenes at the ends of what the solvers carry: each is solved, or the answer says what is wrong with it.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>

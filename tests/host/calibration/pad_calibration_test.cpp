@@ -3,7 +3,6 @@
 // Simulated pads, whose gains, offsets, E, nu and H the calibration does not know. Their frames come from finer cells
 // and more increments than the fit and its correction take.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fem/angles.h"
 #include "fem/value_error.h"

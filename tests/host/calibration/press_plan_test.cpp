@@ -4,7 +4,6 @@
 #include "host/calibration/press_plan.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>

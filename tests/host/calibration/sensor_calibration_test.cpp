@@ -5,7 +5,6 @@
 #include "host/calibration/sensor_calibration.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 
 // What --accuracy promises, and sensors that are long for their thickness, through the program.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,6 @@
 // Malformed scenes through the program itself: exit 2, a message with file, key, value and what is allowed, and no
 // output file.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/host/support/run_tactel.h"
 

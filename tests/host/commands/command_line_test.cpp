@@ -3,7 +3,6 @@
 // What every command shares: standard streams that fail, help, numbers that are none, and messages about words.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 #include "host/commands/devices_command.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <iostream>

@@ -2,7 +2,6 @@
 
 // Sets of many contacts through the program: the same rows whatever happened on the way.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

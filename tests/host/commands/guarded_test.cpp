@@ -4,7 +4,6 @@
 #include "host/commands/guarded.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <csignal>
 #include <filesystem>

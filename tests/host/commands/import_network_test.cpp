@@ -3,7 +3,6 @@
 // `tactel import-network` as a user meets it. Networks are tactel's own files: chains of dense layers, too, whose
 // answers are known. Those of other programs: onnx_chain_test.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "host/networks/onnx_file.h"
 #include "nn/forward.h"

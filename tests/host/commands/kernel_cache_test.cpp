@@ -2,7 +2,6 @@
 
 // The program on a cache of compiled kernels that is damaged, and interrupted while it compiles.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"

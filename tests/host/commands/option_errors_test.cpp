@@ -3,7 +3,6 @@
 // What the program says of options whose value is wrong or missing: one form for all, of every command.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <map>
 #include <regex>

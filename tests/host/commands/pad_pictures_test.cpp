@@ -2,7 +2,6 @@
 
 // Page, plot and VTU file that `tactel solve` writes of a pad hold the numbers of its JSON.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <iterator>
 #include <nlohmann/json.hpp>

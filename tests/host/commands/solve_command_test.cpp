@@ -2,7 +2,6 @@
 
 // The command line: outputs, exit codes, and messages about options.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <cmath>

@@ -2,7 +2,6 @@
 
 // `tactel solve` of a pad, and the other commands, which take lines: outputs, exit codes, messages.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

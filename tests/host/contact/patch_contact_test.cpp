@@ -5,7 +5,6 @@
 #include "host/contact/patch_contact.h"
 
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +18,17 @@
 #include "host/contact/contact_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/contact/one_launch.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {
 
 using tactel::testing::all_shapes;
+using tactel::testing::hash;
+using tactel::testing::hashes;
+using tactel::testing::Hashes;
+using tactel::testing::ran;
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
 using tactel::testing::reversal;
@@ -57,16 +61,6 @@ std::vector<std::vector<fem::Scene>> by_kind(const std::vector<fem::Scene>& scen
   std::vector<std::vector<fem::Scene>> kinds(4);
   for (const fem::Scene& scene : scenes) kinds[2 * kind_of(scene).force + kind_of(scene).friction].push_back(scene);
   return kinds;
-}
-
-template <class Real>
-typename PatchContact<Real>::Batch ran(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
-                                       std::size_t largest_chunk = 4096) {
-  auto batch = contact.prepare(scenes);
-  batch.fill_outputs(static_cast<Real>(nan));
-  batch.fill_unused(static_cast<Real>(nan));
-  batch.run({.largest_chunk = largest_chunk});
-  return batch;
 }
 
 /// Whether the same steps are solved in both.
@@ -154,30 +148,6 @@ TEST(PatchContactSlow, EveryShapeMatchesTheTwin) {
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Bits
-
-using Hashes = std::vector<std::uint64_t>;
-
-std::uint64_t hash(const fem::ContactSolution& solution) {
-  std::vector<double> said(solution.surface_x.begin(), solution.surface_x.end());
-  for (const fem::ContactStep& s : solution.steps) {
-    said.insert(said.end(), {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), s.slip_distance,
-                             double(s.converged), double(s.iterations), s.residual.penetration, s.residual.cone,
-                             s.residual.complementarity, s.residual.drift, s.residual.balance});
-    for (const auto* values : {&s.normal_force, &s.tangential_force, &s.sigma_y, &s.tau_xy})
-      said.insert(said.end(), values->begin(), values->end());
-    for (const fem::GapStatus status : s.status) said.push_back(double(status));
-  }
-  return XXH3_64bits(said.data(), said.size() * sizeof(double));
-}
-
-/// Of one launch; outputs and all unused inputs hold NaN before it.
-template <class Real>
-Hashes hashes(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes, std::size_t largest_chunk = 4096) {
-  const auto batch = ran(contact, scenes, largest_chunk);
-  Hashes found;
-  for (std::size_t i = 0; i < scenes.size(); ++i) found.push_back(hash(batch.solution(i)));
-  return found;
-}
 
 template <class Real>
 class PatchBits : public ::testing::Test {

@@ -19,6 +19,7 @@
 #include "host/contact/sensor_tables.h"
 #include "tests/fem/expect_error.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/contact/one_launch.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {
@@ -54,10 +55,7 @@ std::vector<fem::Scene> scenes_on_sensors(std::size_t count, std::uint64_t seed,
 template <class Real>
 std::vector<fem::ContactSolution> solutions(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
                                             std::size_t largest_chunk = 4096) {
-  auto batch = contact.prepare(scenes);
-  batch.fill_outputs(std::numeric_limits<Real>::quiet_NaN());
-  batch.fill_unused(std::numeric_limits<Real>::quiet_NaN());
-  batch.run({.largest_chunk = largest_chunk});
+  const auto batch = tactel::testing::ran(contact, scenes, largest_chunk);
   std::vector<fem::ContactSolution> all;
   for (std::size_t i = 0; i < scenes.size(); ++i) all.push_back(batch.solution(i));
   return all;

@@ -4,7 +4,6 @@
 // memory holds, the number of threads, or how groups are dealt out to them. Compared by hashes of all that a contact's
 // solution says.
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <limits>
@@ -14,40 +13,17 @@
 #include "host/contact/gap_sweep.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/contact/one_launch.h"
 
 namespace {
 
 using namespace tactel;
+using tactel::testing::hash;
+using tactel::testing::hashes;
+using tactel::testing::Hashes;
 using tactel::testing::paper_mesh;
 
-using Hashes = std::vector<std::uint64_t>;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-
-std::uint64_t hash(const fem::ContactSolution& solution) {
-  std::vector<double> said;
-  for (const fem::ContactStep& s : solution.steps) {
-    said.insert(said.end(), {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), double(s.converged),
-                             double(s.iterations), s.residual.penetration, s.residual.cone, s.residual.complementarity,
-                             s.residual.drift, s.residual.balance});
-    for (const auto* values :
-         {&s.normal_force, &s.tangential_force, &s.base_force_x, &s.base_force_y, &s.sigma_y, &s.tau_xy})
-      said.insert(said.end(), values->begin(), values->end());
-    for (fem::GapStatus status : s.status) said.push_back(double(status));
-  }
-  return XXH3_64bits(said.data(), said.size() * sizeof(double));
-}
-
-/// One launch; outputs and all unused inputs hold NaN before it.
-template <class Real>
-Hashes hashes(const host::GapSweep<Real>& sweep, std::span<const fem::Scene> scenes, std::size_t largest_chunk = 4096) {
-  auto batch = sweep.prepare(scenes);
-  batch.fill_outputs(std::numeric_limits<Real>::quiet_NaN());
-  batch.fill_unused(std::numeric_limits<Real>::quiet_NaN());
-  batch.run({.largest_chunk = largest_chunk});
-  Hashes found;
-  for (std::size_t i = 0; i < scenes.size(); ++i) found.push_back(hash(batch.solution(i)));
-  return found;
-}
 
 struct Case {
   const char* name;

@@ -2,7 +2,6 @@
 #include "host/device/device.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>

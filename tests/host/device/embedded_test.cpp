@@ -4,7 +4,6 @@
 #include "kernels/embedded.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>

@@ -5,7 +5,6 @@
 #include "host/device/executor.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstring>

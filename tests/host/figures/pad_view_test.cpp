@@ -5,7 +5,6 @@
 #include "host/figures/pad_view.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>

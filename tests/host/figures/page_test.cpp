@@ -4,7 +4,6 @@
 #include "host/figures/page.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

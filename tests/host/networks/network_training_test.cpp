@@ -4,7 +4,6 @@
 #include "host/networks/network_training.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
@@ -34,6 +33,18 @@ TrainingPlan small_plan() {
                     .noises = {0.0, 0.1}};
   plan.options.cycle_limit = 150;
   return plan;
+}
+
+/// The same bits of each network, of its curve and of where it stopped.
+void expect_same(const NetworkTraining<float>& found, const NetworkTraining<float>& whole) {
+  for (std::size_t i = 0; i < whole.networks().size(); ++i) {
+    const TrainedNetwork &network = found.networks()[i], &expected = whole.networks()[i];
+    EXPECT_EQ(found.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(network.curve, expected.curve) << i;
+    EXPECT_EQ(network.cycles, expected.cycles) << i;
+    EXPECT_EQ(network.status, expected.status) << i;
+    EXPECT_EQ(network.best_cycle, expected.best_cycle) << i;
+  }
 }
 
 class NetworkTrainingTest : public ::testing::Test {
@@ -140,12 +151,8 @@ TEST_F(NetworkTrainingTest, MiniBatchesResumeToTheSameBits) {
   EXPECT_EQ(seen, (std::set{nn::TrainStatus::running, nn::TrainStatus::learnt}));
   EXPECT_TRUE(resumed.run());
   EXPECT_TRUE(stopped.run());
-  for (std::size_t i = 0; i < 12; ++i) {
-    EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << i;
-    EXPECT_EQ(stopped.weights(i).values, whole.weights(i).values) << i;
-    EXPECT_EQ(resumed.networks()[i].curve, whole.networks()[i].curve) << i;
-    EXPECT_EQ(resumed.networks()[i].cycles, whole.networks()[i].cycles) << i;
-  }
+  expect_same(resumed, whole);
+  expect_same(stopped, whole);
   EXPECT_EQ(resumed.patterns(), whole.patterns());
   plan.batch->rate = 0.01;
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
@@ -217,12 +224,8 @@ TEST_F(NetworkTrainingTest, ValidatedTrainingsResumeToTheSameBits) {
     stopped.run({.progress = some, .checkpoint = checkpoint()});
     ASSERT_TRUE(resumed.load(checkpoint()));
     EXPECT_TRUE(resumed.run());
-    for (std::size_t i = 0; i < 12; ++i) {
-      EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << rounds << ' ' << i;
-      EXPECT_EQ(resumed.networks()[i].curve, whole.networks()[i].curve) << rounds << ' ' << i;
-      EXPECT_EQ(resumed.networks()[i].status, whole.networks()[i].status) << rounds << ' ' << i;
-      EXPECT_EQ(resumed.networks()[i].best_cycle, whole.networks()[i].best_cycle) << rounds << ' ' << i;
-    }
+    SCOPED_TRACE(rounds);
+    expect_same(resumed, whole);
   }
   plan.patience = 13;
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
@@ -264,12 +267,8 @@ TEST_F(NetworkTrainingTest, ResumesToTheSameBits) {
   NetworkTraining<float> finished(executor(), set_, small_plan());
   EXPECT_TRUE(finished.load(checkpoint()));
   EXPECT_TRUE(finished.run());
-  for (std::size_t i = 0; i < 12; ++i) {
-    EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << i;
-    EXPECT_EQ(finished.weights(i).values, whole.weights(i).values) << i;
-    EXPECT_EQ(resumed.networks()[i].curve, whole.networks()[i].curve) << i;
-    EXPECT_EQ(finished.networks()[i].curve, whole.networks()[i].curve) << i;
-  }
+  expect_same(resumed, whole);
+  expect_same(finished, whole);
 }
 
 TEST_F(NetworkTrainingTest, RefusesCheckpointsThatAreNotItsOwn) {

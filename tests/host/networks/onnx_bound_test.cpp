@@ -2,7 +2,6 @@
 
 // The bound in network files: the standard's checker, a runtime that does not know tactel, and broken tables.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <onnx/checker.h>
 
 #include <cmath>

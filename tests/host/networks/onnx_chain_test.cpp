@@ -4,7 +4,6 @@
 #include "host/networks/onnx_chain.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstring>
 #include <fstream>

@@ -4,7 +4,6 @@
 #include "host/networks/onnx_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <onnx/checker.h>
 #include <tactel/infer.h>
 

@@ -132,53 +132,42 @@ TEST(TrainBatchFp32, MatchesReferenceToItsPrecision) {
   EXPECT_LT(yardstick, 1e-4);
 }
 
-// One step of the delta rule from rest is rate times minus the gradient of the mean of 1/2 error^2: by central
-// differences of recall itself.
-TEST(TrainBatchGradient, MatchesFiniteDifferences) {
-  const auto c = make_case<double>("16-16-8-1", 150, {.rule = BatchRule::delta, .batch = 150, .rate = 1.0});
-  TrainBatch<double> device = c.device({{7, 0}});
-  device.train_epoch();
-  const nn::BatchState<double> state = device.state(0);
-  const auto shown = nn::training_set<double>(c.set, c.scaling);
-  const auto half_mean_square = [&](const nn::Weights<double>& weights) {
-    double sum = 0;
-    for (int row = 0; row < 150; ++row)
-      sum += std::pow(shown.target(row) - nn::forward<double>(weights, shown.inputs.row(row).transpose()).back()(0), 2);
-    return sum / 300;
-  };
-  const nn::Weights<double> initial(nn::initial_weights(c.topology, 7));
-  const double h = 1e-5;  // truncation ~ h^2, rounding ~ 1e-17 / h
-  for (std::size_t i = 0; i < initial.values.size(); i += 3) {
-    nn::Weights<double> above = initial, below = initial;
-    above.values[i] += h;
-    below.values[i] -= h;
-    EXPECT_NEAR(state.first.values[i], -(half_mean_square(above) - half_mean_square(below)) / (2 * h), 1e-10) << i;
-  }
-}
-
-// The same for the heads of a bound: minus the gradient of the mean pinball loss.
-TEST(TrainBatchGradient, OfQuantilesMatchesFiniteDifferences) {
-  const BatchOptions options{.rule = BatchRule::delta, .batch = 150, .rate = 1.0, .level = 0.9};
-  const auto c = make_case<double>("16-16-8-3", 150, options);
+/// One step of the delta rule from rest is minus the gradient of the mean of loss(outputs, target): by central
+/// differences of recall itself, a distance h apart.
+template <class Loss>
+void expect_step_along_gradient(const char* topology, const BatchOptions& options, double h, double tolerance,
+                                const Loss& loss) {
+  const auto c = make_case<double>(topology, options.batch, options);
   TrainBatch<double> device = c.device({{7, 0}});
   device.train_epoch();
   const nn::BatchState<double> state = device.state(0);
   const auto shown = nn::training_set<double>(c.set, c.scaling);
   const auto mean_loss = [&](const nn::Weights<double>& weights) {
     double sum = 0;
-    for (int row = 0; row < 150; ++row)
-      sum += nn::quantile_loss(nn::forward<double>(weights, shown.inputs.row(row).transpose()).back(),
-                               shown.target(row) + 0.5, options.level);
-    return sum / 150;
+    for (int row = 0; row < options.batch; ++row)
+      sum += loss(nn::forward<double>(weights, shown.inputs.row(row).transpose()).back(), shown.target(row));
+    return sum / options.batch;
   };
   const nn::Weights<double> initial(nn::initial_weights(c.topology, 7));
-  const double h = 1e-6;  // rounding ~ 1e-16 / h; no S lies within h of a quantile
   for (std::size_t i = 0; i < initial.values.size(); i += 3) {
     nn::Weights<double> above = initial, below = initial;
     above.values[i] += h;
     below.values[i] -= h;
-    EXPECT_NEAR(state.first.values[i], -(mean_loss(above) - mean_loss(below)) / (2 * h), 1e-9) << i;
+    EXPECT_NEAR(state.first.values[i], -(mean_loss(above) - mean_loss(below)) / (2 * h), tolerance) << i;
   }
+}
+
+// Of 1/2 error^2. Truncation ~ h^2, rounding ~ 1e-17 / h.
+TEST(TrainBatchGradient, MatchesFiniteDifferences) {
+  expect_step_along_gradient("16-16-8-1", {.rule = BatchRule::delta, .batch = 150, .rate = 1.0}, 1e-5, 1e-10,
+                             [](const auto& outputs, double target) { return std::pow(target - outputs(0), 2) / 2; });
+}
+
+// Of the pinball loss, for the heads of a bound. Rounding ~ 1e-16 / h; no S lies within h of a quantile.
+TEST(TrainBatchGradient, OfQuantilesMatchesFiniteDifferences) {
+  expect_step_along_gradient(
+      "16-16-8-3", {.rule = BatchRule::delta, .batch = 150, .rate = 1.0, .level = 0.9}, 1e-6, 1e-9,
+      [](const auto& outputs, double target) { return nn::quantile_loss(outputs, target + 0.5, 0.9); });
 }
 
 // Bits: free of the number of threads, of what else is trained, and of a break between epochs. Both kinds of batches.

@@ -2,7 +2,6 @@
 
 // Sets of contacts on pads: their rows are those of `tactel solve`, and depend on the contact alone.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 #include "host/sets/transducer_chain.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -2,7 +2,6 @@
 
 // Error against speed of the rungs of pads, and its report.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,6 @@
 
 // Frames block by block, and networks that learn from them.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
@@ -113,6 +112,15 @@ TEST_F(Stream, FileBlocksShowEveryRowOnceAPassInAnotherOrder) {
   EXPECT_THAT(firsts[0], ::testing::UnorderedElementsAreArray(firsts[1]));
 }
 
+/// Trains in a directory, or goes on there, and stops after so many blocks.
+TrainingEnd train_blocks(TrainRequest request, const std::filesystem::path& output, int blocks) {
+  request.output = output;
+  request.resume = std::filesystem::exists(output);
+  std::filesystem::create_directories(output);
+  const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
+  return train(request, Ranks(), {.progress = progress}).end;
+}
+
 class StreamTraining : public Stream {
  protected:
   ChildResult train(const std::string& output, const std::string& more, const std::string& before = "") const {
@@ -134,13 +142,9 @@ class StreamTraining : public Stream {
 
 // Stopped after any of its blocks of 8192 contacts: the report is that of one run.
 TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
-  TrainRequest request{.stream = sweep_, .rows = 250'000, .networks = {"42-5-1"}};
+  const TrainRequest request{.stream = sweep_, .rows = 250'000, .networks = {"42-5-1"}};
   const auto run = [&](const std::string& output, int blocks) {
-    request.output = folder_ / output;
-    request.resume = std::filesystem::exists(request.output);
-    std::filesystem::create_directories(request.output);
-    const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
-    return tactel::host::train(request, Ranks(), {.progress = progress}).end;
+    return train_blocks(request, folder_ / output, blocks);
   };
   ASSERT_EQ(run("whole", 1000), TrainingEnd::finished);
   ASSERT_GT(report("whole")["networks"][0]["curve"]["rows"].size(), 3u);
@@ -295,19 +299,15 @@ TEST_F(TrainingSources, StreamAndBlockExclude) {
 TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
   for (const bool judged : {false, true}) {
     TrainRequest request{.set = PaperSetFiles::learning(), .block = 50, .rows = 1500};
-    if (judged) request.recall_set = PaperSetFiles::recall();
     if (judged) {
+      request.recall_set = PaperSetFiles::recall();
       request.schedule = "cosine", request.average = 0.9, request.loss = "absolute", request.batch = 16;
       request.validation_set = PaperSetFiles::recall(), request.patience = 40;
     }
     request.networks = {"42-5-1"};
     request.seeds = 2;
     const auto run = [&](const std::string& output, int blocks) {
-      request.output = folder_ / output;
-      request.resume = std::filesystem::exists(request.output);
-      std::filesystem::create_directories(request.output);
-      const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
-      return tactel::host::train(request, Ranks(), {.progress = progress}).end;
+      return train_blocks(request, folder_ / output, blocks);
     };
     const std::string whole = judged ? "whole judged" : "whole";
     ASSERT_EQ(run(whole, 1000), TrainingEnd::finished);
