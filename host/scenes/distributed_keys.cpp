@@ -16,10 +16,10 @@ struct Entry {
   NumberPlace<Scene> place;
 };
 
-void put(double& number, int, double value) { number = value; }
-void put(std::optional<double>& number, int, double value) { number.value() = value; }
+void set_number(double& number, int, double value) { number = value; }
+void set_number(std::optional<double>& number, int, double value) { number.value() = value; }
 template <class Several>
-void put(Several& numbers, int index, double value) {
+void set_number(Several& numbers, int index, double value) {
   numbers[static_cast<std::size_t>(index)] = value;
 }
 
@@ -38,13 +38,13 @@ T& part(Scene& scene) {
 
 /// Adds what sweeps may draw of T, whose keys stand in this table.
 template <class T, class Scene>
-void add(std::vector<Entry<Scene>>& all, const std::string& table, const char* shape = "") {
+void add_drawn(std::vector<Entry<Scene>>& all, const std::string& table, const char* shape = "") {
   [&]<std::size_t... i>(std::index_sequence<i...>) {
     [[maybe_unused]] const auto add_one = [&]<std::size_t k>(std::integral_constant<std::size_t, k>) {
       constexpr auto number = std::get<k>(fem::numbers<T>);
       if constexpr (number.drawn)
         all.push_back({shape, table + "." + number.key, [](Scene& scene, int index, double value) {
-                         put(part<T>(scene).*std::get<k>(fem::numbers<T>).member, index, value);
+                         set_number(part<T>(scene).*std::get<k>(fem::numbers<T>).member, index, value);
                        }});
     };
     (add_one(std::integral_constant<std::size_t, i>{}), ...);
@@ -53,7 +53,7 @@ void add(std::vector<Entry<Scene>>& all, const std::string& table, const char* s
 }
 template <class Scene, class... Shapes>
 void add_shapes(std::vector<Entry<Scene>>& all, const std::variant<Shapes...>&) {
-  (add<Shapes>(all, "indenter", fem::shape_name(std::variant<Shapes...>(Shapes{}))), ...);
+  (add_drawn<Shapes>(all, "indenter", fem::shape_name(std::variant<Shapes...>(Shapes{}))), ...);
 }
 
 using S = fem::Scene;
@@ -62,11 +62,11 @@ using P = fem::PadScene;
 const std::vector<Entry<S>>& entries(const S*) {
   static const std::vector<Entry<S>> all = [] {
     std::vector<Entry<S>> made;
-    add<fem::Sensor>(made, "sensor");
-    add<fem::Indenter>(made, "indenter");
+    add_drawn<fem::Sensor>(made, "sensor");
+    add_drawn<fem::Indenter>(made, "indenter");
     add_shapes(made, fem::Shape{});
     made.push_back({"", "contact.friction", [](S& s, int, double v) { s.friction = v; }});
-    add<fem::Load>(made, "load");
+    add_drawn<fem::Load>(made, "load");
     return made;
   }();
   return all;
@@ -81,8 +81,8 @@ void put_step(P& scene, int axis, double step) {
 const std::vector<Entry<P>>& entries(const P*) {
   static const std::vector<Entry<P>> all = [] {
     std::vector<Entry<P>> made;
-    add<fem::PadSensor>(made, "sensor");
-    add<fem::PadIndenter>(made, "indenter");
+    add_drawn<fem::PadSensor>(made, "sensor");
+    add_drawn<fem::PadIndenter>(made, "indenter");
     add_shapes(made, fem::PadShape{});
     const Entry<P> others[] = {
         {"", "contact.friction", [](P& s, int, double v) { s.friction = v; }},

@@ -13,19 +13,19 @@ namespace {
 using SceneJson = nlohmann::ordered_json;
 
 template <class Value>
-void put(SceneJson& out, const char* key, const Value& value) {
+void put_value(SceneJson& out, const char* key, const Value& value) {
   out[key] = value;
 }
-void put(SceneJson& out, const char* key, fem::Element element) { out[key] = fem::name(element); }
-void put(SceneJson& out, const char* key, fem::StressRecovery recovery) { out[key] = fem::name(recovery); }
+void put_value(SceneJson& out, const char* key, fem::Element element) { out[key] = fem::name(element); }
+void put_value(SceneJson& out, const char* key, fem::StressRecovery recovery) { out[key] = fem::name(recovery); }
 template <class Value>
-void put(SceneJson& out, const char* key, const std::optional<Value>& value) {
+void put_value(SceneJson& out, const char* key, const std::optional<Value>& value) {
   if (value) out[key] = *value;
 }
 
 template <class T>
 void add_numbers(SceneJson& out, const T& from) {
-  fem::each_number<T>([&](const auto& number) { put(out, number.key, from.*number.member); });
+  fem::each_number<T>([&](const auto& number) { put_value(out, number.key, from.*number.member); });
 }
 
 template <class S>
@@ -86,9 +86,9 @@ SceneJson load_json(const fem::Load& load) {
   SceneJson out = pressing_json(load);
   if (!load.tangential.empty()) out["tangential"] = load.tangential;
   if (load.tangential_step != 0.0) out["tangential_step"] = load.tangential_step;
-  put(out, "tangential_steps", load.tangential_steps);
+  put_value(out, "tangential_steps", load.tangential_steps);
   for (const fem::LoadMove& move : load.moves) out["moves"].push_back(SceneJson::array({move.normal, move.tangential}));
-  put(out, "angle", load.angle);
+  put_value(out, "angle", load.angle);
   return out;
 }
 SceneJson load_json(const fem::PadLoad& load) {

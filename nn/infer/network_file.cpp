@@ -381,7 +381,11 @@ nn::Model model_of(const Contents& contents) {
   for (const auto& [key, number] : ranges_of(model.learnt))
     if (metadata.contains(key)) *number = number_of<float>(metadata, key);
   read_weights(contents, model.weights);
-  if (topology.has_bound()) model.bound = read_bound(contents, topology.inputs());
+  if (!topology.has_bound()) return model;
+  model.bound = read_bound(contents, topology.inputs());
+  if (model.stresses() % model.bound->tactels != 0)
+    throw ValueError("bound.tactels", std::to_string(model.bound->tactels),
+                     "such that the network has whole frames of them");
   return model;
 }
 
