@@ -46,6 +46,19 @@ struct PadLanes {
   std::size_t groups = 0, own_groups = 0;
 };
 
+/// How straight the indenter's way is: chord over length, in tenths. Where it turns, guesses from the increment before
+/// are worse and sweeps more.
+int straightness(const fem::PadScene& scene, double lever) {
+  Eigen::Vector3d at(0, 0, 0);
+  double length = 0;
+  for (const fem::PadTarget& target : fem::pad_targets(scene.load)) {
+    const Eigen::Vector3d to(target.x, target.y, lever * target.twist);
+    length += (to - at).norm();
+    at = to;
+  }
+  return length > 0 ? static_cast<int>(9.999 * at.norm() / length) : 9;
+}
+
 /// Scenes of one table side by side, those of like cost together, so that the lanes of a group finish together. What
 /// would not fill most of a group goes to groups where every lane has its own table; the bits are the same.
 template <class Real>
@@ -55,12 +68,13 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
   friction.reserve(on_cells.size());
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
   const std::vector<int> stratum = strata(friction, pad_friction_strata);
-  using Cost = std::tuple<int, std::size_t, int, double, std::size_t>;
+  using Cost = std::tuple<int, std::size_t, int, int, double, std::size_t>;
   std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
     const auto& [scene, cells, size, solvable] = on_cells[i];
+    const double half_size = cells.half_size();
     by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
-                                                        cells.half_size(), i);
+                                                        straightness(scene, half_size), half_size, i);
   }
   PadLanes lanes;
   lanes.vectors = options.vectors;
@@ -73,7 +87,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
     lanes.vectors = fit && options.cells <= 12 && 2 * full >= on_cells.size() ? 2 : 1;
   }
   const std::size_t size = static_cast<std::size_t>(lanes.vectors) * width;
-  const auto place = [&](const Cost& member) { lanes.in_lane.push_back(std::get<4>(member)); };
+  const auto place = [&](const Cost& member) { lanes.in_lane.push_back(std::get<5>(member)); };
   const auto fill_up = [&](std::size_t to) {
     lanes.in_lane.resize((lanes.in_lane.size() + to - 1) / to * to, no_scene);
     return lanes.in_lane.size();
@@ -83,7 +97,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
     std::ranges::sort(members);
     const std::size_t rest = members.size() % size, sharing = members.size() - (5 * rest < 3 * size ? rest : 0);
     for (std::size_t k = 0; k < sharing; ++k) {
-      if (k % size == 0) lanes.first_of_group.push_back(std::get<4>(members[k]));
+      if (k % size == 0) lanes.first_of_group.push_back(std::get<5>(members[k]));
       place(members[k]);
     }
     fill_up(size);

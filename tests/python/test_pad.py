@@ -118,6 +118,21 @@ class Sweeps(unittest.TestCase):
                 sweep.generate(2, accuracy=0.01)
 
 
+class Networks(unittest.TestCase):
+    def test_networks_with_features_answer_mirror_images_alike(self):
+        rows = tactel.Sweep(ROOT / "examples/pad_spheres.toml").generate(20)
+        frames = np.asarray(rows.frames, np.float32)
+        mirrored = frames.reshape(-1, 3, 4, 4)[:, :, :, ::-1].copy()
+        mirrored[:, 1] *= -1  # tau_x
+        for features, topology in (("pad", "66-8-1"), ("frame", "48-8-1")):
+            (network,) = tactel.train(rows, (48, 8, 1), scaling="frame", features=features, cycles=2)
+            self.assertEqual(network.topology, topology)
+            same = np.array_equal(network.estimator(frames), network.estimator(mirrored.reshape(-1, 48)))
+            self.assertEqual(same, features == "pad")
+        with self.assertRaisesRegex(tactel.InputError, "must be frame"):
+            tactel.train(rows, (48, 8, 1), features="pad")
+
+
 class Solve(unittest.TestCase):
     def test_equals_the_program(self):
         for name in ("pad.toml", "pad_twist.toml"):
