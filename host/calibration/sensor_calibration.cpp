@@ -85,8 +85,7 @@ bool same_friction(const AnyScene& a, const AnyScene& b) { return friction_of(a)
 /// Whether a tilt of the indenter changes its contact: on a pad that of a flat alone.
 bool feels_tilt(const AnyScene& scene) {
   const auto* pad = std::get_if<fem::PadScene>(&scene);
-  return pad == nullptr || std::holds_alternative<fem::Punch>(pad->indenter.shape) ||
-         std::holds_alternative<fem::Box>(pad->indenter.shape);
+  return pad == nullptr || fem::tilts(pad->indenter.shape);
 }
 
 class Fit {
