@@ -34,6 +34,13 @@ concept OfPad = requires(const Step& step) {
   step.twist;
 };
 
+/// Returns the last quantities of a step of either kind: what the solver says of itself.
+template <class Step>
+auto solver_quantities(Step& s) {
+  return std::tuple{Quantity{"iterations", "", "", "sweeps", s.iterations},
+                    Quantity{"residual", "", "", "largest relative residual of the contact laws", s.residual}};
+}
+
 /// Returns the quantities of a step of a line. `many`: without those of elements and of the solver, as many answers
 /// keep them.
 template <bool many, class Step>
@@ -56,10 +63,7 @@ requires(!OfPad<Step>) auto quantities(Step& s) {
                    Quantity{"tangential_force", "surface", "N/mm", "", s.tangential_force},
                    Quantity{"base_force_x", "base", "N/mm", ", of the rubber on the base", s.base_force_x},
                    Quantity{"base_force_y", "base", "N/mm", ", of the rubber on the base", s.base_force_y}};
-    return std::tuple_cat(
-        path, surface, tactels,
-        std::tuple{Quantity{"iterations", "", "", "sweeps", s.iterations},
-                   Quantity{"residual", "", "", "largest relative residual of the contact laws", s.residual}});
+    return std::tuple_cat(path, surface, tactels, solver_quantities(s));
   }
 }
 
@@ -89,10 +93,7 @@ auto quantities(Step& s) {
     const auto cells = std::tuple{Quantity{"status", "cells", "", "0 open, 1 stick, 2 slip", s.status},
                                   Quantity{"normal_force", "cells", "N", "; >= 0 presses", s.normal_force},
                                   Quantity{"tangential_force", "cells, 2", "N", " along x, y", s.tangential_force}};
-    return std::tuple_cat(
-        path, cells, converged,
-        std::tuple{Quantity{"iterations", "", "", "sweeps", s.iterations},
-                   Quantity{"residual", "", "", "largest relative residual of the contact laws", s.residual}});
+    return std::tuple_cat(path, cells, converged, solver_quantities(s));
   }
 }
 

@@ -102,7 +102,7 @@ const std::vector<ShapeName<Shape>>& shapes_of() {
 /// shapes of the other kind. `is`: "belongs to a pad".
 template <class Own, class Other>
 void refuse_other_kind(TomlTable& in, const std::vector<std::string>& others, const std::string& is) {
-  std::vector<std::string> own, foreign = others, names;
+  std::vector<std::string> own, foreign = others;
   for (const auto& shape : shapes_of<Own>()) own.insert(own.end(), shape.keys.begin(), shape.keys.end());
   for (const auto& shape : shapes_of<Other>()) foreign.insert(foreign.end(), shape.keys.begin(), shape.keys.end());
   std::erase_if(foreign, [&](const std::string& key) { return std::ranges::find(own, key) != own.end(); });
