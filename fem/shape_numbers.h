@@ -23,6 +23,9 @@ struct Number {
   bool drawn = true;           ///< sweeps may draw it
   const char* each = nullptr;  ///< of a pair: what each of both is called: "radius", of radius_x and radius_y
 };
+// Clang deduces no arguments of an aggregate before its version 17.
+template <class T, class M, class... Rest>
+Number(const char*, const char*, M T::*, Rest...) -> Number<T, M>;
 
 /// The table of a struct: a tuple of Numbers, in the order of files and JSON.
 template <class T>
