@@ -47,6 +47,8 @@ void ChannelMap::validate(std::size_t channels) const {
     require(noise >= 0, "calibration.noise", text_of(noise), "0 or above, in the device's units");
   require(calibration.moved >= 0 && calibration.moved < 0.5, "calibration.moved", text_of(calibration.moved),
           "above 0 and below 0.5, as tactel tare --hold writes it");
+  require(calibration.slid >= 0 && calibration.slid < 1, "calibration.slid", text_of(calibration.slid),
+          "above 0 and below 1, as tactel tare --hold --network writes it");
   for (std::size_t place = 0; place < places(); ++place) {
     if (channel(place) < 0) continue;
     const auto c = static_cast<std::size_t>(channel(place));

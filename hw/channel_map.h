@@ -14,6 +14,7 @@ struct Calibration {
   bool has_zero = true;         ///< false: the readings at rest are not known, and the offsets stand as 0
   bool zero_told = false;       ///< by an offset: a gain that is told later has it, too
   double moved = 0;             ///< `at` of an alarm of AlarmSignal::moved; 0: not known
+  double slid = 0;              ///< `at` of an alarm of a network of slid; 0: not known
 };
 
 /// Channels of the stresses of each tactel, and their calibration. -1: no channel, the stress is 0. A frame has a place

@@ -5,8 +5,9 @@
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
    quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), BOUND (1: the bound instead of the quantiles), and
-   NORMALS where they are not INPUTS / 2: the normal stresses of the first frame; with features (0: none) what
-   shared/features.h names, and STRESSES, the numbers of an input before them. */
+   NORMALS where they are not INPUTS / 2: the normal stresses of the first frame; with features (0: none) or RESTED (1:
+   the last frame is the rest, to which the others become differences) STRESSES, the numbers of an input in MPa, and
+   SHOWN, its frames without the rest; with features what shared/features.h names. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0 BOUND=1
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
@@ -17,10 +18,16 @@
 #ifndef NORMALS
 #define NORMALS (INPUTS / 2)
 #endif
+#ifndef STRESSES
+#define STRESSES INPUTS
+#define SHOWN 1
+#endif
+#ifndef RESTED
+#define RESTED 0
+#endif
+#define FRAME_NUMBERS (STRESSES / (SHOWN + RESTED))
 #if FEATURES
 #include "shared/features.h"
-#else
-#define STRESSES INPUTS
 #endif
 #define TILE (FRAME_VECTORS * LANES)  /* frames in a group */
 #define ANSWERS (BOUND ? 4 : OUTPUTS) /* numbers of a frame: S; upper and lower quantile, or upper bound and interval */
@@ -46,8 +53,8 @@
 
 /* Conversion of frames in MPa to inputs. */
 typedef struct {
-  int by_frame; /* divide by the frame's own largest |normal stress|; else by the set's largest stress */
-  real factor;  /* 1 / the set's largest stress, 1/MPa */
+  int by_frame; /* divide by the frame's own largest |normal stress|; else take times the factor */
+  real factor;  /* 1 / the set's largest stress, 1/MPa; by the rest REST_SCALE */
   real usual;   /* usual peak, MPa, of features */
 } Scaling;
 
@@ -106,6 +113,18 @@ INLINE vint scale_by_frame(int v, vreal (*x)[FRAME_VECTORS], vreal *peak) {
   return largest < ALL_LANES(SMALLEST_STRESS);
 }
 
+#if RESTED
+/* Differences of LANES inputs' frames, times REST_SCALE, to their rest, over its P. Returns the lanes whose rest has none. */
+INLINE vint scale_by_rest(int v, vreal (*x)[FRAME_VECTORS]) {
+  const vreal(*rest)[FRAME_VECTORS] = x + SHOWN * FRAME_NUMBERS;
+  vreal P = 0;
+  ROLLED for (int k = 0; k < NORMALS; ++k) P = P - rest[k][v];
+  const vreal factor = ALL_LANES(1) / P;
+  ROLLED for (int k = 0; k < SHOWN * FRAME_NUMBERS; ++k) x[k][v] = (x[k][v] - rest[k % FRAME_NUMBERS][v]) * factor;
+  return NOT(P >= ALL_LANES(SMALLEST_STRESS * REST_SCALE));
+}
+#endif
+
 /* The scaled inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros and has a status. */
 INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Scaling scaling, int v,
                           vreal (*x)[FRAME_VECTORS]) {
@@ -113,7 +132,11 @@ INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Sca
       load_frames(frames, first, rows, ALL_LANES(scaling.by_frame ? (real)1 : scaling.factor), v, x);
   vint no_stress = 0;
   vreal peak = 0;
+#if RESTED
+  no_stress = scale_by_rest(v, x);
+#else
   if (scaling.by_frame) no_stress = scale_by_frame(v, x, &peak);
+#endif
 #if FEATURES
   add_features(v, peak, scaling.usual, x);
 #endif
@@ -243,7 +266,7 @@ kernel void forward(uint first_group, global const real *weights, global const f
   const Scaling scaling = {by_frame, factor, usual};
   slip_index += network * ANSWERS * rows;
   status += network * rows;
-  vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];
+  vreal x[INPUTS > STRESSES ? INPUTS : STRESSES][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];
   vint found[FRAME_VECTORS];
   const int vectors = LANES > 1 && end - first <= LANES ? 1 : FRAME_VECTORS;
   ROLLED for (int v = 0; v < vectors; ++v) found[v] = scaled_frames(frames, first + v * LANES, rows, scaling, v, x);

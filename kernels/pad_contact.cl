@@ -92,6 +92,7 @@ typedef struct {
   Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
   Lanes mu;                                         /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
+  Lanes slid; /* sum over the increments without a sticking cell of the rms slide of those that touch */
   Lanes sweeps, trial_sweeps;                             /* of this increment, and since the indenter last moved */
   Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
@@ -413,6 +414,23 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
   }
 }
 
+/* Adds the slide of this increment, in which no cell sticks that touches. */
+static void add_slide(const Influence *influence, const Cells *c, State *s) {
+  EACH_VECTOR(v) {
+    vreal sum = 0, touching = 0, sticking = 0;
+    for (int k = 0; k < c->listed; ++k) {
+      const int i = c->list[k];
+      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n;
+      const vreal slip_x = c->gx[i].v[v] - c->ux[i].v[v], slip_y = c->gy[i].v[v] - c->uy[i].v[v];
+      sum += PICK(n > 0, fma(slip_x, slip_x, slip_y * slip_y), ALL_LANES(0));
+      touching += PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
+      sticking += PICK((n > 0) & (fma(x, x, y * y) < cone * cone), ALL_LANES(1), ALL_LANES(0));
+    }
+    const vreal slide = sqrt(sum / LARGER(touching, ALL_LANES(1))) * influence->root_tt;
+    s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), slide);
+  }
+}
+
 /* Ends an increment: where a cell sticks from next. */
 static void remember(Cells *c, const State *s) {
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
@@ -584,6 +602,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_ABOVE] = (above + half_y) * H;
     to[PAD_RESULT_ACROSS] = PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
+    to[PAD_RESULT_SLID] = s->slid.v[v] * H;
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
@@ -675,7 +694,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
     s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
     s.power.v[v] = (real)1.5;
-    s.trial_sweeps.v[v] = 0;
+    s.trial_sweeps.v[v] = s.slid.v[v] = 0;
     s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
     s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
     s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
@@ -707,6 +726,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
       asked.v[v] = slot.v[v] >= 0;
       s.lost.v[v] |= s.failed.v[v];
     }
+    add_slide(&influence, &c, &s);
     if (any_of(&asked)) report(&influence, lane_input, heights, &answers, &slot, &c, &s);
     remember(&c, &s);
   }

@@ -3,7 +3,7 @@
    the load steps k = 0, 1, ... of a contact:
      s_k = the stress at the tactel's shifted place, linear between tactels, and shares of its neighbours' stresses and
            of those of the tactel's other axes; 0 where it is dead
-     x_k = (1 + gain_spread g) (s_k - sum over both late shares of share h_k)
+     x_k = (1 + gain_spread g) shear_gain (s_k - sum over both late shares of share h_k)
      h_k = decay h_{k-1} + pass (s_k - s_{k-1})        arrives late
      y_k = decay y_{k-1} + pass (x_k - x_{k-1})        the charge amplifier
      r_k = cut off and rounded (y_k + offset_spread o + drift z (largest normal stress) + noise n_k)
@@ -16,7 +16,8 @@
      z        item: the contact, stream 12, which: the channel; words 0, 1
      repeats  item: the contact, stream 12, which: channels + k / 4; word k mod 4, below the probability
      spreads  item: the instance, stream 10: evenly between the least and the most by words 0 to 3 of which 0 (gains,
-              offsets, noise, tau), which 2 (mixing, drift, repeats), which 3 (share and time of both late shares);
+              offsets, noise, tau), which 2 (mixing, drift, repeats, logarithm of shear_gain), which 3 (share and
+              time of both late shares);
               which 1, word 0: the bits, least + word times their count over 2^32
      faults   item: the instance, stream 11, which: the channel; word 0: dead, words 2, 3: the share of neighbours
               and which: channels + the tactel; words 0, 1: the shift of its place, along its row and across
@@ -170,7 +171,8 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
   vreal gain = 1, offset = 0, deviation = 0;
   const RandomWords own = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(0));
   RandomWords skin = own, slow = own;
-  if (chain.mixing[1] > 0 || chain.drift[1] > 0 || chain.repeats[1] > 0)
+  const bool of_axes = chain.shear_gain[0] != 0 || chain.shear_gain[1] != 0;
+  if (chain.mixing[1] > 0 || chain.drift[1] > 0 || chain.repeats[1] > 0 || of_axes)
     skin = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(2));
   if (chain.late[0].share[1] > 0 || chain.late[1].share[1] > 0)
     slow = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(3));
@@ -179,6 +181,11 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     const NormalPair spread = normal_pair(drawn.word[0], drawn.word[1]);
     gain = fma(spread_of(chain.gain_spread, own.word[0]), spread.first, gain);
     offset = spread_of(chain.offset_spread, own.word[1]) * spread.second;
+  }
+  if (of_axes) {
+    const vreal shear = gain * exp(spread_of(chain.shear_gain, skin.word[3]));
+    for (uint lane = 0; lane < LANES; ++lane)
+      if (vector * LANES + lane >= tactels) ((real *)&gain)[lane] = NUMBER(shear, lane);
   }
   if (chain.drift[1] > 0) {
     const RandomWords drawn = words_of_item(chain.reading_seed, FRAME_STREAM, contact[c], channel);

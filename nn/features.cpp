@@ -49,7 +49,7 @@ void make_canonical(const InputScaling& scaling, const Grid& grid, Real* x) noex
   const int n = grid.tactels(), axes = scaling.axes;
   const Real qx = sum_of(x + n, n), qy = axes == 3 ? sum_of(x + 2 * n, n) : Real(0);
   const bool turn = scaling.square && std::abs(qy) > std::abs(qx);
-  for (int frame = 0; frame < scaling.history; ++frame, x += axes * n) {
+  for (int frame = 0; frame < scaling.shown(); ++frame, x += axes * n) {
     if (qx < 0) mirror_x(grid, axes, x), negate(x + n, n);
     if (qy < 0) mirror_y(grid, axes, x), negate(x + 2 * n, n);
     if (turn) exchange(grid, axes, x), std::swap_ranges(x + n, x + 2 * n, x + 2 * n);
@@ -116,10 +116,10 @@ void add_features(const InputScaling& scaling, int stresses, Real peak, Real* x)
   const int n = scaling.normals(stresses);
   const Grid grid{scaling.columns, n / scaling.columns};
   make_canonical(scaling, grid, x);
-  Real* out = x + stresses;
-  for (int frame = 0; frame < scaling.history; ++frame, out += scaling.sums())
+  Real* out = x + scaling.shown() * scaling.axes * n;
+  for (int frame = 0; frame < scaling.shown(); ++frame, out += scaling.sums())
     put_sums(scaling, grid, x + frame * scaling.axes * n, out);
-  *out = peak / (peak + Real(scaling.usual_stress));
+  if (scaling.has_peak()) *out = peak / (peak + Real(scaling.usual_stress));
 }
 
 template void add_features(const InputScaling&, int, float, float*) noexcept;

@@ -6,9 +6,9 @@ namespace tactel::nn {
 
 /// The fixed layer of networks with features; kernels/shared/features.h is its twin, operation by operation.
 ///
-/// x: [scaling.inputs(stresses)], of which the first `stresses` are scaled frames, the newest first: of each the normal
-/// stresses of its tactels, x fastest, then those along x, then of a pad those along y. `peak`: the newest frame's
-/// largest |normal stress|, MPa. On return x holds
+/// x: [scaling.inputs(stresses)], which begins with scaled frames [shown], the newest first: of each the normal stresses
+/// of its tactels, x fastest, then those along x, then of a pad those along y. `peak`: the newest frame's largest
+/// |normal stress|, MPa. On return x holds
 ///
 /// - the frames' image, [frames][axes][tactels]: mirrored so that the newest frame's Q points to +x (of a pad to +x and
 ///   +y, and closer to x than to y where it is square). The contact of a mirrored frame has the mirrored forces, so all
@@ -20,9 +20,10 @@ namespace tactel::nn {
 ///       T / P, second moments of |t| / T: dx dx, dy dy, sum of t along Q times dx and dy
 ///
 ///   Of a line: P, Q, Q / P, c, second moment of p / P, T / P, that of |t| / T, sum t d. Divisors are at least 0.2;
-/// - peak / (peak + usual_stress).
+/// - peak / (peak + usual_stress), but not of ScalingKind::rest.
 ///
-/// The last one alone depends on E and on a common factor of all stresses.
+/// The last one alone depends on E and on a common factor of all stresses. Of `rest` the frames are differences to it:
+/// P and Q above are their changes.
 template <class Real>
 void add_features(const InputScaling& scaling, int stresses, Real peak, Real* x) noexcept;
 

@@ -13,14 +13,18 @@ struct InputHistory {
   int frames = 1;       ///< frames in an input, the newest included; 1: no history
   int stride = 1;       ///< kept frames from one of them to the next
   double change = 0.1;  ///< a frame is kept that differs by more than this, over the largest stress of the contact
+  bool rest = false;    ///< the last of `frames` is the grip at rest (nn/infer/rest_reference.h)
+
+  /// Returns the frames of the path, without the rest.
+  int path() const { return frames - rest; }
 
   /// A frame whose largest stress is below this, over the largest of the contact, ends the contact.
-  static constexpr float rest = 0.05f;
+  static constexpr float released = 0.05f;
   static constexpr int most_frames = 128;  ///< each has two numbers or more; Topology::widest_layer
   static constexpr int most_stride = 1000;
   bool operator==(const InputHistory&) const = default;
   bool valid() const {
-    return frames >= 1 && frames <= most_frames && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1;
+    return path() >= 1 && frames <= most_frames && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1;
   }
 };
 
@@ -29,7 +33,7 @@ struct InputHistory {
 /// - the first frame of a contact is kept;
 /// - a frame is kept where one of its stresses differs from the last kept frame by more than `change` of the largest
 ///   stress since the contact began;
-/// - a frame below `rest` of that stress ends the contact and begins another: what was kept is forgotten.
+/// - a frame below `released` of that stress ends the contact and begins another: what was kept is forgotten.
 /// An input is the newest frame, then the frames kept `stride`, 2 `stride`, ... before the last kept one. Frames before
 /// the first are zeros: the sensor was at rest. A frame that is not finite is the newest and is not kept.
 /// Only the constructor allocates.
@@ -39,15 +43,15 @@ class FrameHistory {
   FrameHistory(std::size_t width, const InputHistory& input)
       : width_(width),
         input_(input),
-        slots_(static_cast<std::size_t>(input.frames - 1) * static_cast<std::size_t>(input.stride) + 1),
+        slots_(static_cast<std::size_t>(input.path() - 1) * static_cast<std::size_t>(input.stride) + 1),
         kept_(slots_ * width, 0.0f),
         number_(slots_),
         newest_(width, 0.0f) {}
 
   std::size_t width() const noexcept { return width_; }
-  std::size_t inputs() const noexcept { return width_ * static_cast<std::size_t>(input_.frames); }
+  std::size_t inputs() const noexcept { return width_ * static_cast<std::size_t>(input_.path()); }
 
-  /// Returns how many frames were pushed after the input's frame i, 1 <= i < frames. None: it is zeros.
+  /// Returns how many frames were pushed after the input's frame i, 1 <= i < path(). None: it is zeros.
   std::optional<std::size_t> age(int i) const noexcept {
     const std::size_t back = static_cast<std::size_t>(i) * static_cast<std::size_t>(input_.stride);
     if (back >= count_) return std::nullopt;
@@ -63,7 +67,7 @@ class FrameHistory {
       if (!std::isfinite(frame[k])) return;
       most = std::max(most, std::abs(frame[k]));
     }
-    if (most < InputHistory::rest * largest_) forget();
+    if (most < InputHistory::released * largest_) forget();
     largest_ = std::max(largest_, most);
     if (count_ == 0 || changed(frame)) keep(frame);
   }
@@ -72,10 +76,10 @@ class FrameHistory {
     forget();
     std::fill(newest_.begin(), newest_.end(), 0.0f);
   }
-  /// Writes the input [frames][width] MPa, the newest frame first.
+  /// Writes the input's frames of the path [path()][width] MPa, the newest frame first.
   void write(float* input) const noexcept {
     std::copy_n(newest_.begin(), width_, input);
-    for (int i = 1; i < input_.frames; ++i) {
+    for (int i = 1; i < input_.path(); ++i) {
       const std::size_t back = static_cast<std::size_t>(i) * static_cast<std::size_t>(input_.stride);
       float* to = input + static_cast<std::size_t>(i) * width_;
       if (back < count_)

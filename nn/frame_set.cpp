@@ -108,21 +108,56 @@ Learnt learnt_ranges(const FrameSet& set) {
   return learnt;
 }
 
+namespace {
+
+/// The row that a row's rest is taken from; `first`: with which its contact begins. P: [rows].
+std::size_t rest_of(const FrameSet& set, const std::vector<float>& P, std::size_t first, std::size_t row) {
+  const auto rests = [&](std::size_t i) {
+    return std::abs(set.slip[i]) < most_slip_at_rest && 2 * P[i] >= P[row] && P[i] <= 2 * P[row];
+  };
+  std::vector<std::size_t> possible;
+  for (std::size_t i = first; i < row; ++i)
+    if (rests(i)) possible.push_back(i);
+  if (possible.empty()) return row;
+  const std::uint64_t word = noise_words(set.contact[row], set.step[row])[0];
+  return possible[static_cast<std::size_t>(word * possible.size() >> 32)];
+}
+
+void check_history(const FrameSet& set, const InputHistory& history) {
+  const auto rows = static_cast<std::size_t>(set.rows());
+  const bool ordered = set.history == 1 && set.contact.size() == rows && set.step.size() == rows;
+  if (history.path() > 1 && !(set.press_rows && ordered))
+    throw ValueError("history", std::to_string(history.path()),
+                     "1 for a set without the rows of its pressing; [sweep] press_rows = true gives them");
+  if (history.rest && !(ordered && set.slip.size() == rows))
+    throw ValueError("scaling", "rest", "set or frame for rows without contact, step or S");
+}
+
+}  // namespace
+
 FrameSet with_history(const FrameSet& set, const InputHistory& history) {
   if (history.frames == 1) return set;
+  check_history(set, history);
   const auto rows = static_cast<std::size_t>(set.rows());
-  if (!set.press_rows || set.history != 1 || set.contact.size() != rows || set.step.size() != rows)
-    throw ValueError("history", std::to_string(history.frames),
-                     "1 for a set without the rows of its pressing; [sweep] press_rows = true gives them");
+  const Eigen::Index width = set.frames.cols();
   FrameSet formed = set;
   formed.history = history.frames;
-  formed.frames.resize(set.rows(), set.frames.cols() * history.frames);
-  FrameHistory path(static_cast<std::size_t>(set.frames.cols()), history);
+  formed.frames.resize(set.rows(), width * history.frames);
+  std::vector<float> P(rows);
+  for (std::size_t row = 0; row < rows && history.rest; ++row)
+    P[row] = -set.frames.row(static_cast<Eigen::Index>(row)).head(width / set.axes).sum();
+  FrameHistory path(static_cast<std::size_t>(width), history);
+  std::size_t first = 0;  // row of a contact
   for (std::size_t row = 0; row < rows; ++row) {
     const bool follows = row > 0 && set.contact[row] == set.contact[row - 1] && set.step[row] == set.step[row - 1] + 1;
-    if (!follows) path.clear();
+    if (!follows) path.clear(), first = row;
     path.push(set.frames.row(static_cast<Eigen::Index>(row)).data());
-    path.write(formed.frames.row(static_cast<Eigen::Index>(row)).data());
+    auto input = formed.frames.row(static_cast<Eigen::Index>(row));
+    path.write(input.data());
+    if (!history.rest) continue;
+    const std::size_t rest = rest_of(set, P, first, row);
+    input.tail(width) = set.frames.row(static_cast<Eigen::Index>(rest));
+    if (!set.slid.empty()) formed.slip_index(static_cast<Eigen::Index>(row)) = slid_target(set.slid[row] - set.slid[rest]);
   }
   return formed;
 }

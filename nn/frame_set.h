@@ -19,6 +19,8 @@ struct FrameSet {
   std::vector<std::uint64_t> contact{};     ///< [rows] or empty: which contact; rows of a contact are in its order
   std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
   std::vector<float> friction{};            ///< [rows] or empty: mu
+  std::vector<float> slip{};                ///< [rows] or empty: S, which rests are chosen by
+  std::vector<float> slid{};                ///< [rows] or empty: distance slid since first touch over the elastic limit
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
   int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
@@ -59,7 +61,16 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
 /// rows in their order. A contact begins where `contact` changes, and where `step` does not follow the step before it:
 /// the steps between had no P, or were not solved. A set with one frame in an input, and a history of one frame, stay
 /// as they are. Throws ValueError, key "history", for a set without contact, step or the rows of its pressing.
+///
+/// With a rest, each row has the frame of an earlier row of its contact behind them, as a grip may rest at any load: by
+/// the first of noise_words(contact, step) one of those with |S| < most_slip_at_rest and half to twice its P; its own
+/// frame where there is none. Where the set has `slid`, `slip_index` becomes Target::slid since that row. Throws
+/// ValueError, key "scaling", for a set without contact, step or S.
 FrameSet with_history(const FrameSet& set, const InputHistory& history);
+inline constexpr float most_slip_at_rest = 0.9f;
+
+/// Returns Target::slid of a distance over the elastic limit.
+inline float slid_target(float distance) { return distance / (1 + distance); }
 
 /// Replaces every frame behind the newest by its difference to the newest. frames: [rows, history * 2 tactels].
 void take_differences(RowMatrix<float>& frames, int history);

@@ -24,11 +24,31 @@ const char* name(FrameStatus status) {
   return "unknown";
 }
 
+namespace {
+
+/// scale_frame by the rest, of finite stresses.
+template <class Scalar>
+FrameStatus scale_differences(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled) {
+  const int width = stresses / scaling.history, shown = width * scaling.shown();
+  const float* const rest = frame + shown;
+  const auto small = [](float x) { return Scalar(x) * Scalar(InputScaling::rest_scale); };
+  Scalar P(0);
+  for (int k = 0; k < scaling.normals(stresses); ++k) P = P - small(rest[k]);
+  if (!(P >= small(InputScaling::smallest_stress))) return FrameStatus::no_stress;
+  const Scalar factor = Scalar(1) / P;
+  for (int k = 0; k < shown; ++k) scaled[k] = (small(frame[k]) - small(rest[k % width])) * factor;
+  if (scaling.features != Features::frame) add_features(scaling, stresses, Scalar(0), scaled);
+  return FrameStatus::ok;
+}
+
+}  // namespace
+
 template <class Scalar>
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled) {
   const auto not_finite = [](float x) { return !std::isfinite(x); };
   std::fill(scaled, scaled + scaling.inputs(stresses), Scalar(0));
   if (std::any_of(frame, frame + stresses, not_finite)) return FrameStatus::not_finite;
+  if (scaling.kind == ScalingKind::rest) return scale_differences(scaling, frame, stresses, scaled);
   float divisor = scaling.largest_stress;
   Scalar scale(1);
   if (scaling.kind == ScalingKind::frame) {

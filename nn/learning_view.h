@@ -6,12 +6,12 @@
 
 namespace tactel::nn {
 
-/// The inputs of a network with features as it learns them: stresses and sums of frames behind the newest are
-/// differences to the newest's, and every input is less its mean and over its deviation. The network's file has the
+/// The inputs of a network with features, or by the rest, as it learns them: stresses and sums of frames behind the
+/// newest are differences to the newest's, and every input is less its mean and over its deviation. The network's file has the
 /// weights for the inputs themselves.
 class LearningView {
  public:
-  LearningView() = default;  ///< of networks without features: changes nothing
+  LearningView() = default;  ///< of other networks: changes nothing
   /// Means and deviations are those of the first rows of a learning set, frames [rows, stresses] MPa.
   LearningView(const InputScaling& scaling, const RowMatrix<float>& frames);
 

@@ -28,13 +28,16 @@ void check_edges(const char* key, const std::vector<float>& edges) {
 
 }  // namespace
 
-const char* name(ScalingKind kind) { return kind == ScalingKind::set ? "set" : "frame"; }
+const char* name(ScalingKind kind) {
+  return kind == ScalingKind::set ? "set" : kind == ScalingKind::frame ? "frame" : "rest";
+}
 
 ScalingKind parse_scaling(std::string_view text) {
-  if (text == "set") return ScalingKind::set;
-  if (text == "frame") return ScalingKind::frame;
+  for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame, ScalingKind::rest})
+    if (text == name(kind)) return kind;
   throw ValueError("scaling", std::string(text),
-                   "set (by the learning set's largest stress) or frame (by each frame's own)");
+                   "set (by the learning set's largest stress), frame (by each frame's own) or rest (by the force of "
+                   "the grip at rest)");
 }
 
 const char* name(Features features) {
@@ -55,24 +58,28 @@ const char* name(Target target) {
       return "force_ratio";
     case Target::stick_fraction:
       return "stick_fraction";
+    case Target::slid:
+      return "slid";
   }
   return "unknown";
 }
 
 Target parse_target(std::string_view text) {
-  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction})
+  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid})
     if (text == name(target)) return target;
-  throw ValueError("target", std::string(text), "slip_index, force_ratio or stick_fraction");
+  throw ValueError("target", std::string(text), "slip_index, force_ratio, stick_fraction or slid");
 }
 
 void InputScaling::validate() const {
   if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
-  if (history < 1) throw ValueError("scaling.history", std::to_string(history), "at least 1 frame");
+  if (shown() < 1)
+    throw ValueError("scaling.history", std::to_string(history),
+                     kind == ScalingKind::rest ? "at least 2 frames, the newest and the rest" : "at least 1 frame");
   if (axes < 1 || axes > 3) throw ValueError("scaling.axes", std::to_string(axes), "1, 2 or 3 stresses of a tactel");
   if (features == Features::frame) return;
-  if (kind != ScalingKind::frame)
-    throw ValueError("scaling", name(kind), std::string("frame with the features ") + name(features));
+  if (kind == ScalingKind::set)
+    throw ValueError("scaling", name(kind), std::string("frame or rest with the features ") + name(features));
   if (axes != (features == Features::pad ? 3 : 2))
     throw ValueError("features", name(features), "line for tactels with two stresses, pad for those with three");
   if (columns < 1) throw ValueError("scaling.columns", std::to_string(columns), "at least 1 tactel along x");

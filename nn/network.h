@@ -31,11 +31,12 @@ struct Weights {
 
 /// Divisor of a frame in MPa, applied before the network; part of the network's file. `set`: the largest |stress|
 /// of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so that S does not depend
-/// on E or on a common factor of all stresses.
-enum class ScalingKind { set, frame };
+/// on E or on a common factor of all stresses. `rest`: the sum P of the normal stresses of the input's last frame, the
+/// grip at rest (InputHistory::rest); the other frames become their differences to it.
+enum class ScalingKind { set, frame, rest };
 
 const char* name(ScalingKind kind);
-/// Returns the kind named "set" or "frame". Throws ValueError, key "scaling".
+/// Returns the kind named "set", "frame" or "rest". Throws ValueError, key "scaling".
 ScalingKind parse_scaling(std::string_view text);
 
 /// A fixed layer between scaled frames and the network (nn/features.h). `frame`: none. `line` and `pad`: all images of
@@ -50,32 +51,41 @@ Features parse_features(std::string_view text);
 struct InputScaling {
   ScalingKind kind = ScalingKind::set;
   float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
-  int history = 1;              ///< frames in an input; `frame` divides all of them by the newest's, which is the first
+  int history = 1;              ///< frames in an input; `frame` divides all of them by the newest's, which is the
+                                ///< first; of `rest` 2 or more
   int axes = 2;                 ///< stresses of a tactel; of a pad 3, or 1
   Features features = Features::frame;
   int columns = 0;            ///< of features: tactels along x
   bool square = false;        ///< of features: the pad's tactels lie along x as along y
-  float usual_stress = 1.0f;  ///< MPa, > 0: an input of features is peak / (peak + usual_stress), of the newest frame
+  float usual_stress = 1.0f;  ///< MPa, > 0: an input of features is peak / (peak + usual_stress), of the newest frame;
+                              ///< not of `rest`
 
-  /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`
-  /// only).
+  /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`), nor does
+  /// one whose rest has a smaller P (`rest`).
   static constexpr float smallest_stress = 1e-12f;
   /// MPa: the reciprocal of more is no normal number in fp32. No learning set may hold more (`set`); a frame with more
   /// is first taken times large_scale (`frame`), which keeps its bits.
   static constexpr float large_stress = 0x1p126f, large_scale = 0x1p-8f;
+  /// `rest` takes all stresses times this, which keeps their bits and the sum of finite ones within 2^126.
+  static constexpr float rest_scale = 0x1p-10f;
   bool operator==(const InputScaling&) const = default;
+  /// Returns the frames that the network sees: of `rest` the differences.
+  int shown() const { return kind == ScalingKind::rest ? history - 1 : history; }
+  /// Returns whether the peak is an input.
+  bool has_peak() const { return features != Features::frame && kind != ScalingKind::rest; }
   /// Returns how many sums the features add for each frame.
   int sums() const { return features == Features::pad ? 17 : features == Features::line ? 8 : 0; }
   /// Returns the network's inputs for so many stresses, of all frames of an input; and those stresses.
-  int inputs(int stresses) const { return features == Features::frame ? stresses : stresses + history * sums() + 1; }
-  int stresses(int inputs) const { return features == Features::frame ? inputs : inputs - history * sums() - 1; }
+  int inputs(int stresses) const { return stresses / history * shown() + shown() * sums() + has_peak(); }
+  int stresses(int inputs) const { return (inputs - shown() * sums() - has_peak()) / shown() * history; }
   /// Returns the normal stresses of the newest frame, with which the stresses of an input begin.
   int normals(int stresses) const { return stresses / (axes * history); }
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
 /// What a network estimates: a column of its learning set.
-enum class Target { slip_index, force_ratio, stick_fraction };
+/// `slid`: D / (1 + D) of the distance D that the contact slid since the input's rest, over its elastic limit.
+enum class Target { slip_index, force_ratio, stick_fraction, slid };
 
 /// Returns the name of the column, which is also that of the output in the network's file.
 const char* name(Target target);
@@ -154,6 +164,7 @@ struct Learnt {
   /// second.
   float smallest_peak = 0, largest_peak = 0;
   float least_friction = 0, most_friction = 0;  ///< mu
+  float alarm_at = 0;                           ///< of Target::slid: threshold of an alarm, as the user gave it
 
   /// Returns whether one of the normal stresses [count] MPa is far beyond all that was learnt. A set of other shapes
   /// and depths has peaks of a few times; another unit is at least 1000 times. NaN is not.

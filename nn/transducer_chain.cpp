@@ -15,6 +15,7 @@
 namespace tactel::nn {
 namespace {
 
+constexpr double most_shear_gain = 1e3;
 constexpr int most_bits = 24;  // readings in single precision are whole multiples of the quantum
 
 void check(bool good, const char* member, double value, const char* allowed) {
@@ -80,6 +81,8 @@ Transducer of_sensor(Transducer t, std::uint64_t instance) {
   choose(t.mixing_from, t.mixing, skin[0]);
   choose(t.drift_from, t.drift, skin[1]);
   choose(t.repeats_from, t.repeats, skin[2]);
+  if (t.shear_gain_from)
+    t.shear_gain = *t.shear_gain_from * std::pow(t.shear_gain / *t.shear_gain_from, unit(skin[3]));
   choose(t.lag_from, t.lag, late[0]);
   choose(t.lag_time_from, t.lag_time, late[1]);
   choose(t.memory_from, t.memory, late[2]);
@@ -151,7 +154,8 @@ double converted(const Transducer& t, double reading) {
 
 bool Transducer::present() const {
   return gain_spread > 0 || offset_spread > 0 || noise > 0 || time_constant > 0 || range > 0 || noise_of_largest > 0 ||
-         reaches_others() || dead > 0 || lag > 0 || memory > 0 || drift > 0 || repeats > 0;
+         reaches_others() || dead > 0 || lag > 0 || memory > 0 || drift > 0 || repeats > 0 ||
+         shear_gain > 0;
 }
 
 double Transducer::quantum() const { return bits == 0 ? 0 : std::ldexp(range, 1 - bits); }
@@ -190,6 +194,10 @@ void Transducer::validate() const {
   check_from("mixing", mixing_from, mixing);
   check_from("drift", drift_from, drift);
   check_from("repeats", repeats_from, repeats);
+  check(at_least_0(shear_gain) && shear_gain <= most_shear_gain &&
+            (!shear_gain_from || (*shear_gain_from >= 1 / most_shear_gain && *shear_gain_from <= shear_gain)) &&
+            (shear_gain == 0 || shear_gain >= 1 / most_shear_gain),
+        "shear_gain", shear_gain_from.value_or(shear_gain), "a gain, or a range of it upward, 1e-3 to 1e3");
   check_from("lag", lag_from, lag);
   check_from("lag_time", lag_time_from, lag_time);
   check_from("memory", memory_from, memory);
@@ -229,6 +237,7 @@ std::string description(const Transducer& t) {
   say_range("memory", t.memory_from, t.memory, "");
   say_range("memory_time", t.memory_time_from, t.memory_time, " s");
   say_range("gain_spread", t.gain_spread_from, t.gain_spread, "");
+  say_range("shear_gain", t.shear_gain_from, t.shear_gain, "");
   say_range("time_constant", t.time_constant_from, t.time_constant, " s");
   say("step_time", t.step_time, " s");
   say_range("offset_spread", t.offset_spread_from, t.offset_spread, " MPa");
@@ -240,7 +249,8 @@ std::string description(const Transducer& t) {
   say_range("repeats", t.repeats_from, t.repeats, "");
   say("instances", t.instances, "");
   const bool ranges = t.noise_from || t.time_constant_from || t.bits_from || t.lag_from || t.lag_time_from ||
-                      t.memory_from || t.memory_time_from || t.drift_from || t.repeats_from;
+                      t.memory_from || t.memory_time_from || t.drift_from || t.repeats_from ||
+                      t.shear_gain_from;
   if (t.gain_spread > 0 || t.offset_spread > 0 || ranges || t.reaches_others() || t.dead > 0)
     text << ", seed " << t.seed;
   return t.present() ? text.str() : "none";
@@ -270,7 +280,8 @@ RowMatrix<double> transducer_chain(const Transducer& of_all, std::uint64_t seed,
     const double zero = t.offset_spread * offset + drift * normal_pair(drifted[0], drifted[1])[0];
     std::vector<double> x = felt_stress(t, instance, stress, layout, channel);
     delay(t, x);
-    for (double& s : x) s *= 1 + t.gain_spread * gain;
+    const double of_axis = t.shear_gain > 0 && channel >= layout.tactels() ? t.shear_gain : 1;
+    for (double& s : x) s *= (1 + t.gain_spread * gain) * of_axis;
     const std::vector<double> y = t.time_constant == 0 ? x : high_pass(t.time_constant, t.step_time, x);
     for (std::uint32_t k = 0; k < y.size(); ++k) {
       const PhiloxCounter noise = words(seed, RandomStream::reading, contact, k / 4 * channels + channel);

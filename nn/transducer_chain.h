@@ -17,7 +17,7 @@ namespace tactel::nn {
 ///     mixing     c_k = b_k + sum over the other axes of the tactel of mixing n (s_k of that axis)
 ///     dead       c_k = 0 where a uniform number is below dead
 ///     lag        d_k = c_k - lag D(c)_k [T = lag_time] - memory D(c)_k [T = memory_time]
-///     gain       e_k = (1 + gain_spread n) d_k
+///     gain       e_k = (1 + gain_spread n) d_k, of shear times shear_gain
 ///     amplifier  f_k = D(e)_k [T = time_constant]
 ///     zero       g_k = f_k + offset_spread n + drift n (largest |normal stress| of the contact)
 ///     noise      i_k = g_k + (noise + noise_of_largest (largest |stress| of the contact)) n_k
@@ -49,10 +49,12 @@ struct Transducer {
   double mixing = 0;       ///< standard deviation of the share of each other axis of a tactel in a reading
   double drift = 0;        ///< of a contact's zero, standard deviation over the largest |normal stress| of the contact
   double repeats = 0;      ///< probability that a frame repeats the one before
+  double shear_gain = 0;   ///< gain of a sensor's shear against that of its normal stress; 0: 1
   /// Smallest gain_spread, offset_spread and noise: a sensor's own lies evenly between it and the member above. None:
   /// all sensors have that.
   std::optional<double> gain_spread_from{}, offset_spread_from{}, noise_from{};
   std::optional<double> mixing_from{}, drift_from{}, repeats_from{};                     ///< alike
+  std::optional<double> shear_gain_from{};  ///< smallest shear_gain: a sensor's logarithm lies evenly between both
   std::optional<double> lag_from{}, lag_time_from{}, memory_from{}, memory_time_from{};  ///< alike
   std::optional<double> time_constant_from{};  ///< s, smallest time_constant, alike
   std::optional<int> bits_from{};              ///< fewest bits: a sensor has one of the whole numbers up to `bits`

@@ -32,6 +32,8 @@ GAIN = 1e-5  # MPa a count of z, assumed: the network divides each frame by its 
 RUBBER = {"thickness": 4.0, "young": 0.5, "poisson": 0.48}  # mm, MPa: assumed, as in examples/uskin_4x4.toml
 ALARM = 0.8  # upper bound of S at which the alarm begins: the default of monitor --view
 TOPOLOGY, EPOCHS, SEEDS = "48-96-48-1", 20, 4
+SLID = ("--network", "48-96-48-1_leaky-relu", "--scaling", "rest", "--target", "slid", "--schedule", "cosine", "--loss", "absolute",
+        "--epochs", 60, "--batch", 512)
 PADS = ("--profile", "uskin-4x4") * 2
 MARGIN = 1.2  # threshold over the largest score in the recorded hold
 FIRST, MOVED, AT_REST, LASTS = (0.6, 0.5), (2.5, 2.0), 20, 5  # degrees and mm; frames
@@ -193,6 +195,14 @@ class Chain:
         step = json.loads(self.run("solve", scene, "--json", "-"))["steps"][-1]
         return spread(np.stack([step["tau_x"], step["tau_y"], -np.array(step["sigma_z"])], axis=-1))
 
+    def slid_networks(self):
+        """Networks of `slid` of four seeds, taught by the grips of examples/uskin_grips.toml."""
+        with tempfile.TemporaryDirectory(dir=self.output) as folder:
+            grips = pathlib.Path(folder) / "grips.h5"
+            self.run("generate", study.ROOT / "examples/uskin_grips.toml", "--output", grips, "--rung", "pad-8")
+            self.run("train", grips, "--output", self.output / "slid", *SLID, "--seeds", SEEDS, "--force")
+        return sorted((self.output / "slid").glob("*.onnx"))
+
     def networks(self, contacts):
         """Networks of four seeds with a bound of 95 %, taught and calibrated by simulated contacts."""
         with tempfile.TemporaryDirectory(dir=self.output) as folder:
@@ -230,16 +240,17 @@ class Chain:
         of_pads = [[[float(line["pads"][pad][key]) for line in said] for pad in (0, 1)] for key in ("slip_index", "slip_upper", "unlike")]
         return *np.array(of_pads), np.array([line["alarm"] for line in said])
 
-    def hold(self, rest, load):
-        """A calibration by readings without load and by a recorded hold, and its threshold of `moved`."""
+    def hold(self, rest, load, *network):
+        """A calibration by readings without load and by a recorded hold, and its threshold of `moved`, or of a network's `slid`."""
         path = self.output / "hold.toml"
-        self.run("tare", "--source", self.write("rest", rest), *PADS, "--output", path, "--hold", self.write("held", load), "--force")
-        return path, tomllib.loads(path.read_text())["calibration"]["moved"]
+        self.run("tare", "--source", self.write("rest", rest), *PADS, "--output", path, "--hold", self.write("held", load), "--force",
+                 *network)
+        return path, tomllib.loads(path.read_text())["calibration"]["slid" if network else "moved"]
 
-    def moved(self, load, calibration):
-        """`moved` [frames, pads] without a network, 0 where no rest is known, and whether the alarm is on, [frames]."""
-        said = self.monitor(self.write("frames", load), calibration, "--rest", "--alarm")
-        return np.array([[pad["moved"] or 0 for pad in line["pads"]] for line in said]), [line["alarm"] for line in said]
+    def moved(self, load, calibration, *network):
+        """`moved`, or `slid` of a network, [frames, pads], 0 where no rest is known, and whether the alarm is on, [frames]."""
+        said = self.monitor(self.write("frames", load), calibration, *(network or ["--rest"]), "--alarm")
+        return np.array([[pad["slid" if network else "moved"] or 0 for pad in line["pads"]] for line in said]), [line["alarm"] for line in said]
 
 
 def hysteresis(score, threshold):
@@ -400,9 +411,9 @@ def main():
     empty = next(trial for trial in trials if trial.gone() is not None).counts[:, -END:]
     rest = empty - empty.mean(1, keepdims=True)
 
-    def row_of_moved(name, loads, hold):
-        calibration, threshold = chain.hold(rest, hold)
-        said = [chain.moved(load, calibration) for load in loads]
+    def row_of_moved(name, loads, hold, *network):
+        calibration, threshold = chain.hold(rest, hold, *network)
+        said = [chain.moved(load, calibration, *network) for load in loads]
         row(name, trials, [each.max(1) for each, _ in said], threshold, [alarm for _, alarm in said])
         return [each for each, _ in said], threshold
 
@@ -415,6 +426,11 @@ def main():
     of_pads, threshold = row_of_moved("moved, without a network", loads, loads[held])
     for pad in (0, 1):
         row(f"moved, pad {pad + 1} alone", trials, [each[:, pad] for each in of_pads], threshold)
+    slid = [("--network", network) for network in chain.slid_networks()]
+    for seed, network in enumerate(slid, 1):
+        of_pads, threshold = row_of_moved(f"slid, seed {seed}", loads, loads[held], *network)
+        for pad in (0, 1):
+            row(f"slid, seed {seed}, pad {pad + 1} alone", trials, [each[:, pad] for each in of_pads], threshold)
     simple = [baselines(load) | null_scores(load) for load in loads]
     for name in simple[0]:
         scores = [score[name] for score in simple]
@@ -435,6 +451,9 @@ def main():
         others = [perturbed(kind, load) for load in loads]
         row_of_moved(f"moved, {kind}, alike", others, others[held])
         row_of_moved(f"moved, {kind}, before", others, loads[held])
+        for seed, network in enumerate(slid, 1):
+            row_of_moved(f"slid, seed {seed}, {kind}, alike", others, others[held], *network)
+            row_of_moved(f"slid, seed {seed}, {kind}, before", others, loads[held], *network)
         for seed, network in enumerate(networks, 1):
             row(f"S less its start, seed {seed}, {kind}, before", trials, of_network(others, network)[0]["S less its start"], learnt[seed - 1])
 

@@ -82,6 +82,11 @@ Eigen::Vector2d PadContact::path(Eigen::Index i, const PadMotion& from) const {
   return {change[0] - change[2] * cells_.y(iy), change[1] + change[2] * cells_.x(ix)};
 }
 
+/// How far the indenter has slid over a cell in this increment.
+Eigen::RowVector2d PadContact::slip(Eigen::Index i) const {
+  return stick_.row(i) + path(i, motion_last_).transpose() - u_.row(i).head<2>();
+}
+
 void PadContact::activate(Eigen::Index i) {
   active_[i] = 1;
   const int iy = static_cast<int>(i) % cells_.n;
@@ -180,8 +185,7 @@ PadResidual PadContact::residual_of_cells() const {
     r.penetration = std::max(r.penetration, -gap);
     if (!(n_[i] > 0)) continue;
     const double length = t_.row(i).norm();
-    const Eigen::RowVector2d slip =
-        stick_.row(i) + path(i, motion_last_).transpose() - u_.row(i).head<2>();  // of the indenter
+    const Eigen::RowVector2d slip = this->slip(i);
     r.complementarity = std::max(r.complementarity, std::abs(gap));
     r.cone = std::max(r.cone, (length - mu_ * n_[i]) / most_n);
     if (sticks(i))
@@ -209,6 +213,18 @@ PadResidual PadContact::residual(std::array<bool, 4>& outside) const {
       outside[3] |= beyond && iy == size;
     }
   return r;
+}
+
+void PadContact::add_slide() {
+  double sum = 0;
+  int touching = 0;
+  for (int i = 0; i < cells_.count(); ++i) {
+    if (!(n_[i] > 0)) continue;
+    if (sticks(i)) return;
+    ++touching;
+    sum += slip(i).squaredNorm();
+  }
+  if (touching > 0) slid_ += std::sqrt(sum / touching);
 }
 
 void PadContact::remember() {

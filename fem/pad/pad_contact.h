@@ -72,16 +72,23 @@ class PadContact {
   /// penetrated by more than the accepted residual times the depth.
   PadResidual residual(std::array<bool, 4>& outside) const;
 
+  /// Adds the slide of this increment to slid(), after solve().
+  void add_slide();
+
   /// Ends an increment. A sticking cell counts as having followed the indenter, so that what the tolerance left is made
   /// good by the next increment; another one has slipped to where it is.
   void remember();
 
   /// Returns how far the indenter has slid over the rubber since first touch at most, mm.
   double slip_distance() const;
+  /// Returns how far the contact has slid as a whole: the sum over the increments without a sticking cell of the rms
+  /// slide of the cells that touch, mm.
+  double slid() const { return slid_; }
 
  private:
   Eigen::Vector3d displacement(int ix, int iy) const;
   Eigen::Vector2d path(Eigen::Index i, const PadMotion& from) const;
+  Eigen::RowVector2d slip(Eigen::Index i) const;
   double sweep(double w);
   void activate(Eigen::Index i);
   bool widen();
@@ -98,6 +105,7 @@ class PadContact {
   Eigen::MatrixX2d stick_;  ///< mm: where a cell was at the last increment; it sticks from there
   Eigen::MatrixX3d u_;      ///< mm: displacements by fresh sums
   PadMotion motion_last_ = PadMotion::Zero();
+  double slid_ = 0;                          ///< mm
   std::vector<char> active_;                 ///< [cells] in the window
   std::vector<std::array<int, 2>> columns_;  ///< [n] first and one after last active cell of each column
 };

@@ -192,6 +192,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   }
   step.stick_fraction = touch > 0 ? static_cast<double>(stick) / touch : 0;
   step.slip_distance = contact_.slip_distance();
+  step.slid = contact_.slid();
   step.area = touch * cells_.area();
   std::array<int, 4> ends{cells_.n, -1, cells_.n, -1};
   const Eigen::Vector2d half = turn_.cwiseAbs() * Eigen::Vector2d(cells_.hx / 2, cells_.hy / 2);
@@ -222,6 +223,7 @@ PadSolution PadWalk::walk() {
   solution.places = (own_places_ * turn_.transpose()).rowwise() + position(scene_.indenter).transpose();
   for (const PadIncrement& increment : pad_increments(scene_, options_, cells_)) {
     move_to(increment.target);
+    contact_.add_slide();
     if (increment.asked) {
       solution.steps.push_back(step_here(solution.outside));
       converged_ = solution.steps.back().converged;

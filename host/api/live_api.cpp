@@ -257,7 +257,8 @@ struct LiveEstimator::State {
   std::size_t inputs, sensors;
 };
 
-LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::string& device)
+LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::string& device,
+                             std::optional<double> touch)
     : state_(api::with_public_errors([&] {
         if (networks.empty()) throw InputError("networks", "none", "one for each sensor");
         std::vector<const nn::Model*> models;
@@ -266,15 +267,17 @@ LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::st
           models.push_back(network.state_->model.get());
           inputs += static_cast<std::size_t>(models.back()->stresses() / models.back()->history.frames);
         }
-        if (device.empty()) return new State{host::host_estimator(models), "", inputs, models.size()};
+        const std::vector<double> touches(touch ? models.size() : 0, touch.value_or(0));
+        if (device.empty()) return new State{host::host_estimator(models, touches), "", inputs, models.size()};
         const host::Device chosen(device);
-        return new State{host::device_estimator(chosen, models), chosen.info().name, inputs, models.size()};
+        return new State{host::device_estimator(chosen, models, touches), chosen.info().name, inputs, models.size()};
       })) {}
 
 LiveEstimator::~LiveEstimator() { delete state_; }
 std::size_t LiveEstimator::inputs() const noexcept { return state_->inputs; }
 std::size_t LiveEstimator::sensors() const noexcept { return state_->sensors; }
 std::string LiveEstimator::device() const { return state_->device; }
+void LiveEstimator::rest() { state_->estimator->rest(); }
 void LiveEstimator::clear() { state_->estimator->clear(); }
 
 void LiveEstimator::estimate(std::span<const float> frames, std::span<Answer> answers) {

@@ -18,6 +18,7 @@
 #include "host/support/json_text.h"
 #include "host/training/network_report.h"
 #include "hw/recording.h"
+#include "nn/infer/sensor_frames.h"
 
 namespace tactel::host {
 namespace {
@@ -50,14 +51,13 @@ Recorded read_recording(const std::string& file) {
 /// Inputs of a network, [frames, inputs] MPa, from the frames of `tactels` tactels from `first` on.
 nn::RowMatrix<float> inputs_of(const Recorded& all, const nn::Model& model, std::size_t first, std::size_t tactels) {
   const std::size_t places = all.profile.map.places(), every = all.profile.map.tactels(), axes = places / every;
-  nn::FrameHistory history(axes * tactels, model.history);
-  nn::RowMatrix<float> inputs(static_cast<Eigen::Index>(all.arrival.size()),
-                              static_cast<Eigen::Index>(history.inputs()));
+  infer::SensorFrames sensor(model.scaling, model.history, model.learnt, model.stresses());
+  nn::RowMatrix<float> inputs(static_cast<Eigen::Index>(all.arrival.size()), model.stresses());
   std::vector<float> frame(axes * tactels);
   for (std::size_t k = 0; k < all.arrival.size(); ++k) {
     take_pad(std::span(all.stresses).subspan(k * places, places), every, first, tactels, frame.data());
-    history.push(frame.data());
-    history.write(inputs.row(static_cast<Eigen::Index>(k)).data());
+    sensor.push(frame.data());
+    sensor.write(inputs.row(static_cast<Eigen::Index>(k)).data());
   }
   return inputs;
 }

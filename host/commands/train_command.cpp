@@ -175,8 +175,8 @@ void add_train_command(CLI::App& app, Action& action) {
   command
       ->add_option("--scaling", request->scaling,
                    "divisor of the stresses: set, the learning set's largest |stress|; frame, each frame's own largest "
-                   "normal stress")
-      ->check(CLI::IsMember({"set", "frame"}))
+                   "normal stress; rest, the normal force of the grip at rest, of differences to it")
+      ->check(CLI::IsMember({"set", "frame", "rest"}))
       ->capture_default_str();
   command
       ->add_option("--history", request->history,
@@ -189,15 +189,22 @@ void add_train_command(CLI::App& app, Action& action) {
   command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
   command
       ->add_option("--features", request->features,
-                   "fixed layer before the network, with --scaling frame: line or pad, one of all mirror images of a "
+                   "fixed layer before the network, with --scaling frame or rest: line or pad, one of all mirror images of a "
                    "frame and its sums; line learns |S|; frame: none")
       ->check(CLI::IsMember({"frame", "line", "pad"}))
       ->capture_default_str();
   command
       ->add_option("--target", request->target,
-                   "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction")
-      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction"}))
+                   "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction; slid, how far "
+                   "pads slid since rest")
+      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid"}))
       ->capture_default_str();
+  command
+      ->add_option("--alarm-at", request->alarm_at,
+                   "with --target slid: threshold of `tactel monitor --alarm` that the network's file holds, above 0 and "
+                   "below 1 (default: none)")
+      ->check(CLI::Range(1e-3, 0.999))
+      ->type_name("FLOAT");
   add_training_options(*command, *request);
   command
       ->add_option("--stream", request->stream,

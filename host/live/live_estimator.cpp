@@ -9,17 +9,22 @@
 
 #include "host/networks/forward.h"
 #include "nn/infer/network_file.h"
+#include "nn/infer/sensor_frames.h"
 
 namespace tactel::host {
 namespace {
 
+std::optional<double> touch_of(std::span<const double> touch, std::size_t sensor) {
+  return touch.empty() ? std::nullopt : std::optional(touch[sensor]);
+}
+
 class HostEstimator final : public LiveEstimator {
  public:
-  explicit HostEstimator(std::span<const nn::Model* const> networks) {
+  HostEstimator(std::span<const nn::Model* const> networks, std::span<const double> touch) {
     std::map<const nn::Model*, SlipEstimator> made;
     for (const nn::Model* network : networks) {
       if (!made.contains(network)) made.emplace(network, infer::estimator_of(*network));
-      sensors_.emplace_back(made.at(network));
+      sensors_.emplace_back(made.at(network), touch_of(touch, sensors_.size()));
     }
   }
   void estimate(std::span<const float> frames, std::span<Answer> answers) override {
@@ -27,6 +32,9 @@ class HostEstimator final : public LiveEstimator {
       answers[i] = sensors_[i].estimate(frames.first(sensors_[i].inputs()));
       frames = frames.subspan(sensors_[i].inputs());
     }
+  }
+  void rest() override {
+    for (SlipHistory& sensor : sensors_) sensor.rest();
   }
   void clear() override {
     for (SlipHistory& sensor : sensors_) sensor.clear();
@@ -62,16 +70,21 @@ Forward<float> forward_of(Executor& executor, std::span<const nn::Model* const> 
 /// Sensors of one launch: a row of frames each, which every network of them evaluates.
 class SharedLaunch {
  public:
-  SharedLaunch(Executor& executor, std::span<const nn::Model* const> of_sensors)
-      : SharedLaunch(executor, of_sensors, distinct(of_sensors)) {}
+  /// touch: of each sensor.
+  SharedLaunch(Executor& executor, std::span<const nn::Model* const> of_sensors,
+               std::span<const std::optional<double>> touch)
+      : SharedLaunch(executor, of_sensors, touch, distinct(of_sensors)) {}
 
-  std::size_t inputs(std::size_t row) const { return sensors_[row].history.width(); }
+  std::size_t inputs(std::size_t row) const { return sensors_[row].frames.width(); }
   void take(std::size_t row, const float* frame) {
-    sensors_[row].history.push(frame);
-    sensors_[row].history.write(inputs_.row(static_cast<Eigen::Index>(row)).data());
+    sensors_[row].frames.push(frame);
+    sensors_[row].frames.write(inputs_.row(static_cast<Eigen::Index>(row)).data());
+  }
+  void rest() {
+    for (Sensor& sensor : sensors_) sensor.frames.rest();
   }
   void clear() {
-    for (Sensor& sensor : sensors_) sensor.history.clear();
+    for (Sensor& sensor : sensors_) sensor.frames.clear();
   }
   void run() {
     buffer_.write({inputs_.data(), static_cast<std::size_t>(inputs_.size())});
@@ -99,24 +112,25 @@ class SharedLaunch {
 
  private:
   SharedLaunch(Executor& executor, std::span<const nn::Model* const> of_sensors,
-               const std::vector<const nn::Model*>& networks)
+               std::span<const std::optional<double>> touch, const std::vector<const nn::Model*>& networks)
       : forward_(forward_of(executor, networks)),
         inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()), networks.front()->stresses())),
         frames_(executor.device(), inputs_),
         buffer_(frames_.buffer()),
         found_(networks.size()) {
     for (const nn::Model* network : of_sensors) {
-      const auto frames = static_cast<std::size_t>(network->history.frames);
+      const auto stresses = static_cast<int>(inputs_.cols());
       sensors_.push_back({static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
-                          nn::FrameHistory(static_cast<std::size_t>(inputs_.cols()) / frames, network->history),
-                          network->learnt, network->scaling.normals(static_cast<int>(inputs_.cols()))});
+                          infer::SensorFrames(network->scaling, network->history, network->learnt, stresses,
+                                              touch[sensors_.size()]),
+                          network->learnt, network->scaling.normals(stresses)});
     }
     run();  // compiles, and has the answers' memory
   }
 
   struct Sensor {
     std::size_t network;  ///< among those of the launch
-    nn::FrameHistory history;
+    infer::SensorFrames frames;
     nn::Learnt learnt;
     int normals;  ///< of the newest frame
   };
@@ -130,17 +144,19 @@ class SharedLaunch {
 
 class DeviceEstimator final : public LiveEstimator {
  public:
-  DeviceEstimator(const Device& device, std::span<const nn::Model* const> networks)
+  DeviceEstimator(const Device& device, std::span<const nn::Model* const> networks, std::span<const double> touch)
       : executor_(device, {.threads = 1}), places_(networks.size()) {  // waking other threads takes longer
     for (std::size_t first = 0; first < networks.size(); ++first) {
       if (places_[first].launch) continue;
       std::vector<const nn::Model*> together;
+      std::vector<std::optional<double>> their_touch;
       for (std::size_t i = first; i < networks.size(); ++i)
         if (!places_[i].launch && share_a_launch(*networks[first], *networks[i])) {
           places_[i] = {launches_.size(), together.size()};
           together.push_back(networks[i]);
+          their_touch.push_back(touch_of(touch, i));
         }
-      launches_.emplace_back(executor_, together);
+      launches_.emplace_back(executor_, together, their_touch);
     }
   }
   void estimate(std::span<const float> frames, std::span<Answer> answers) override {
@@ -150,6 +166,9 @@ class DeviceEstimator final : public LiveEstimator {
     }
     for (SharedLaunch& launch : launches_) launch.run();
     for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = launches_[*places_[i].launch].answer(places_[i].row);
+  }
+  void rest() override {
+    for (SharedLaunch& launch : launches_) launch.rest();
   }
   void clear() override {
     for (SharedLaunch& launch : launches_) launch.clear();
@@ -167,12 +186,14 @@ class DeviceEstimator final : public LiveEstimator {
 
 }  // namespace
 
-std::unique_ptr<LiveEstimator> host_estimator(std::span<const nn::Model* const> networks) {
-  return std::make_unique<HostEstimator>(networks);
+std::unique_ptr<LiveEstimator> host_estimator(std::span<const nn::Model* const> networks,
+                                              std::span<const double> touch) {
+  return std::make_unique<HostEstimator>(networks, touch);
 }
 
-std::unique_ptr<LiveEstimator> device_estimator(const Device& device, std::span<const nn::Model* const> networks) {
-  return std::make_unique<DeviceEstimator>(device, networks);
+std::unique_ptr<LiveEstimator> device_estimator(const Device& device, std::span<const nn::Model* const> networks,
+                                                std::span<const double> touch) {
+  return std::make_unique<DeviceEstimator>(device, networks, touch);
 }
 
 }  // namespace tactel::host

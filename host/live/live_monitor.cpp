@@ -66,7 +66,7 @@ void take_largest(MonitorLine& line) {
 /// touch: MPa, of options or profile.
 AlarmOptions rules_of(const MonitorOptions& options, const SlipEstimator* network, double touch) {
   return {options.at,
-          options.touch.value_or(std::max<double>(touch, network ? network->smallest_peak() : 0)),
+          options.touch.value_or(std::max<double>(touch, network && !network->needs_rest() ? network->smallest_peak() : 0)),
           options.widest,
           options.hold,
           options.ignore_unlike,
@@ -138,18 +138,20 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
   std::vector<SlipEstimator> estimators;
   for (const nn::Model& network : networks) estimators.push_back(infer::estimator_of(network));
   std::vector<const nn::Model*> models;
+  std::vector<double> touch;
   std::size_t first = 0;
   for (const std::size_t tactels : tactels_of(profile)) {
     const std::size_t which = networks.size() > 1 ? sensors_.size() : 0;
     if (!networks.empty()) check_width(networks[which], profile, tactels), models.push_back(&networks[which]);
     sensors_.emplace_back(networks.empty() ? nullptr : &estimators[which], profile,
                           std::exchange(first, first + tactels), tactels, options);
+    if (!networks.empty()) touch.push_back(*rules_of(options, &estimators[which], sensors_.back().touch).touch);
   }
   frames_.resize(stresses_.size()), answers_.resize(sensors_.size());
   const std::size_t axes = frames_.size() / map_.tactels();
   for (Sensor& sensor : sensors_)
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
-  if (!networks.empty()) estimator_ = device ? device_estimator(*device, models) : host_estimator(models);
+  if (!networks.empty()) estimator_ = device ? device_estimator(*device, models, touch) : host_estimator(models, touch);
   if (device) summary_.device = device->info().name;
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
@@ -226,8 +228,10 @@ void LiveMonitor::refresh() {
 }
 
 void LiveMonitor::watch(const MonitorEvents& events) {
-  if (events.rest && events.rest())
+  if (events.rest && events.rest()) {
     for (Sensor& sensor : sensors_) sensor.alarm.rest();
+    if (estimator_) estimator_->rest();
+  }
   const double now = source_->now();
   if (now >= next_second_) {
     next_second_ = now + 1;

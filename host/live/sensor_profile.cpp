@@ -132,6 +132,7 @@ void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::s
   calibration.has_zero = calibration.zero_told || (calibration.has_zero && !gain);
   read_numbers(in, "noise", calibration.noise, channels);
   in.read("moved", calibration.moved, "a number, above 0 and below 0.5, as tactel tare --hold writes it");
+  in.read("slid", calibration.slid, "a number, above 0 and below 1, as tactel tare --hold --network writes it");
   in.finish();
 }
 
@@ -251,7 +252,7 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
   hw::ChannelMap map;
   std::vector<PadLayout> pads;
   std::size_t channels = 0;
-  double least_moved = 1;
+  double least_moved = 1, least_slid = least_moved;
   const SensorProfile& first = profiles.front();
   for (const SensorProfile& profile : profiles) {
     const bool alike = !profile.pads.empty() && profile.kind == "csv" && profile.pads[0].pitch == first.pads[0].pitch &&
@@ -271,13 +272,15 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
         {&map.calibration.noise, &calibration.noise}};
     for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
     map.calibration.has_zero &= calibration.has_zero;
-    least_moved = std::min(least_moved, calibration.moved),
+    least_moved = std::min(least_moved, calibration.moved), least_slid = std::min(least_slid, calibration.slid);
     map.calibration.moved = std::max(map.calibration.moved, calibration.moved);
+    map.calibration.slid = std::max(map.calibration.slid, calibration.slid);
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }
   if (map.calibration.noise.size() != channels) map.calibration.noise.clear();
   if (least_moved == 0) map.calibration.moved = 0;  // of a pad it is not known
+  if (least_slid == 0) map.calibration.slid = 0;
   return parse_profile(fmt::format("[format]\nkind = \"csv\"\nchannels = {}\n", channels) + channels_text(map, pads) +
                            calibration_text(map.calibration),
                        "--profile");
@@ -321,6 +324,8 @@ std::string calibration_text(const hw::Calibration& calibration) {
                         fmt::join(calibration.noise, ", "));
   if (calibration.moved > 0)
     text += fmt::format("moved = {}  # 1.2 times the largest of a recorded hold\n", calibration.moved);
+  if (calibration.slid > 0)
+    text += fmt::format("slid = {}  # 1.2 times a network's largest answer to it\n", calibration.slid);
   return text;
 }
 

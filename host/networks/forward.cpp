@@ -17,6 +17,7 @@ static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::Fr
 static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
 static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
+static_assert(nn::InputScaling::rest_scale == REST_SCALE);
 
 void check_width(const nn::Topology& topology, int stresses, int given) {
   if (given != stresses)
@@ -26,6 +27,7 @@ void check_width(const nn::Topology& topology, int stresses, int given) {
 
 template <class Real>
 Real factor_of(const nn::InputScaling& scaling) {
+  if (scaling.kind == nn::ScalingKind::rest) return static_cast<Real>(nn::InputScaling::rest_scale);
   return Real(1) / static_cast<Real>(scaling.largest_stress);
 }
 
@@ -38,7 +40,7 @@ const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks)
 }
 
 /// network_defines, whether there is a bound, the normal stresses of the newest frame where they are not half of the
-/// input, and the features.
+/// input, whether its last frame is the rest, and the features.
 Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, bool bound, int lanes,
                         Precision precision) {
   Defines defines = network_defines(topology, lanes, precision);
@@ -49,17 +51,20 @@ Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& sc
                      "frames of equal width in the network " + topology.text());
   if (scaling.history > 1 || scaling.axes != 2)
     defines.push_back({"NORMALS", std::to_string(scaling.normals(stresses))});
+  const bool rested = scaling.kind == nn::ScalingKind::rest;
+  if (rested) defines.push_back({"RESTED", "1"});
+  if (rested || scaling.features != nn::Features::frame)
+    for (const auto& [key, number] : {std::pair{"STRESSES", stresses}, {"SHOWN", scaling.shown()}})
+      defines.push_back({key, std::to_string(number)});
   if (scaling.features == nn::Features::frame) return defines;
   const int tactels = scaling.normals(stresses);
   if (tactels % scaling.columns != 0)
     throw ValueError("scaling.columns", std::to_string(scaling.columns),
                      "a divisor of the " + std::to_string(tactels) + " tactels");
   for (const auto& [key, number] : {std::pair{"FEATURES", scaling.features == nn::Features::pad ? 2 : 1},
-                                    {"HISTORY", scaling.history},
                                     {"GRID_COLUMNS", scaling.columns},
                                     {"GRID_ROWS", tactels / scaling.columns},
-                                    {"SQUARE", int{scaling.square}},
-                                    {"STRESSES", stresses}})
+                                    {"SQUARE", int{scaling.square}}})
     defines.push_back({key, std::to_string(number)});
   return defines;
 }

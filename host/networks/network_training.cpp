@@ -337,6 +337,7 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
                   plan_.magnitude,
                   plan_.target};
   model.learnt = learnt_;
+  model.learnt.alarm_at = plan_.alarm_at;
   if (network.topology.has_bound()) model.bound = bound_ ? *bound_ : bound_of(network.noise, network.seed);
   return model;
 }

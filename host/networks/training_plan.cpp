@@ -52,7 +52,7 @@ void TrainingPlan::validate() const {
     if (topology.hidden_activation() != nn::Activation::logistic)
       throw ValueError("network", topology.text(), "logistic neurons, or --schedule batch");
   }
-  if (features != nn::Features::frame && scaling != nn::ScalingKind::frame)
+  if (features != nn::Features::frame && scaling == nn::ScalingKind::set)
     throw ValueError("scaling", nn::name(scaling), std::string("frame with --features ") + nn::name(features));
   options.validate();
   if (batch) batch->validate();

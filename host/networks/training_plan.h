@@ -28,6 +28,7 @@ struct TrainingPlan {
   std::optional<std::uint64_t> rows{};
   nn::InputHistory history{};                   ///< of the inputs; the learning set has them already (nn::with_history)
   bool magnitude = false;                       ///< learn |S|
+  float alarm_at = 0;                           ///< nn::Learnt::alarm_at of its networks
   nn::Target target = nn::Target::slip_index;   ///< that the learning set has in the place of S
   nn::Features features = nn::Features::frame;  ///< before networks, whose topologies have the inputs without them
 

@@ -96,6 +96,10 @@ struct OwnAlarm {
     if (!answer) answer = next_answers(*estimator, frame).front();
     return alarm.judge(alarm.answer(numbers, *answer));
   }
+  void rest() {
+    alarm.rest();
+    if (estimator) estimator->rest();
+  }
   void clear() {
     alarm.clear();
     if (estimator) estimator->clear();
@@ -122,7 +126,7 @@ std::unique_ptr<OwnAlarm> alarm_of(const AnyNetwork& network, std::optional<doub
     throw InputError("network", "a SlipEstimator on a device", "give a Network: Network.load(path)");
   std::unique_ptr<OwnAlarm> made(
       new OwnAlarm{Alarm(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(*network), options)});
-  if (!device.empty()) made->estimator = std::make_unique<LiveEstimator>(std::vector{**trained}, device);
+  if (!device.empty()) made->estimator = std::make_unique<LiveEstimator>(std::vector{**trained}, device, touch);
   return made;
 }
 
@@ -301,8 +305,8 @@ void bind_networks(py::module_& m) {
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
            "of a LiveEstimator, in place of its own.")
       .def(
-          "rest", [](OwnAlarm& own) { own.alarm.rest(); },
-          "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm of `moved`.")
+          "rest", &OwnAlarm::rest,
+          "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm that needs the rest.")
       .def("clear", &OwnAlarm::clear, "Ends the alarm and forgets all frames.")
       .def_property_readonly(
           "inputs", [](const OwnAlarm& own) { return own.alarm.inputs(); }, "numbers of a frame");

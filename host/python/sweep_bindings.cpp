@@ -96,6 +96,8 @@ void bind_set(py::module_& m) {
       .def_property_readonly("Q", directed(&Set::tangential_force), "[rows] N/mm; of pads [rows, 2] N")
       .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads")
       .def_property_readonly("force_ratio", column(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
+      .def_property_readonly("slid", column(&Set::slid),
+                             "[rows] slide since first touch over the elastic limit, of pads")
       .def_property_readonly("twist", column(&Set::twist), "[rows] degrees, of pads")
       .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
       .def_property_readonly("tangential", directed(&Set::tangential),

@@ -32,6 +32,18 @@ void read_spread(const TomlFile& file, TomlTable& in, const char* key, double& v
   from = uniform->from, value = uniform->to;
 }
 
+/// A gain of all sensors, or { log_uniform = [least, most] } of it.
+void read_shear_gain(const TomlFile& file, TomlTable& in, nn::Transducer& t) {
+  const char *key = "shear_gain", *what = "a number above 0, or { log_uniform = [least, most] }";
+  const toml::node* node = file.root()["transducer"][key].node();
+  if (node == nullptr || !node->is_table()) return read_positive(in, key, t.shear_gain, what);
+  in.expect_table(key);
+  const auto drawn = read_distribution(file, std::string("transducer.") + key, *node);
+  const auto* range = std::get_if<LogUniformDraw>(&*drawn);
+  if (range == nullptr) throw file.error(std::string("transducer.") + key, node, what);
+  t.shear_gain_from = range->from, t.shear_gain = range->to;
+}
+
 /// A time of all sensors, or a range of it.
 void read_time(const TomlFile& file, TomlTable& in, const char* key, double& value, std::optional<double>& from) {
   read_spread(file, in, key, value, from, "a time in s above 0");
@@ -65,6 +77,7 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
   if (in.has("width")) in.refuse("width", "left out: sensor.tactel_width is the width of the transducers");
   read_spread(file, in, "gain_spread", t.gain_spread, t.gain_spread_from,
               "a standard deviation of gains about 1, 0 or more");
+  read_shear_gain(file, in, t);
   read_spread(file, in, "offset_spread", t.offset_spread, t.offset_spread_from,
               "a standard deviation in MPa, 0 or more");
   read_spread(file, in, "noise", t.noise, t.noise_from, "a standard deviation in MPa, 0 or more");

@@ -67,6 +67,7 @@ struct ContactSet : SetColumns, SetCounts {
   std::vector<float> tangential_force, tangential;  ///< [rows, directions] Q; position since first touch, mm
   std::vector<float> indentation;                   ///< [rows] mm: depth
   std::vector<float> torque, twist, force_ratio;    ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
+  std::vector<float> slid;                          ///< [rows] of pads: slide since first touch over the elastic limit
   std::vector<float> friction;                      ///< [rows] mu
   std::vector<float> stick_fraction;                ///< [rows] stuck share of the contact's length or cells
   std::vector<std::uint16_t> contact_nodes;         ///< [rows] surface nodes, or cells, that touch
@@ -130,6 +131,7 @@ auto set_columns(Set& set) {
       SetColumn{"tangential_force", "N/mm", "N; along x and y", set.tangential_force, RowWidth::directions},
       SetColumn{"torque", nullptr, "N mm; about the indenter's axis", set.torque},
       SetColumn{"force_ratio", nullptr, "1; |Q| / (mu P)", set.force_ratio},
+      SetColumn{"slid", nullptr, "1; slide of the contact as a whole since first touch over its elastic limit", set.slid},
       SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation},
       SetColumn{"tangential", "mm; position of the indenter along x since first touch",
                 "mm; position of the indenter along x and y since first touch", set.tangential, RowWidth::directions},

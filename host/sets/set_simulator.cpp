@@ -31,6 +31,7 @@ struct Row {
   double P = 0, indentation = 0, slip_distance = 0, residual = 0;
   std::array<double, 2> Q{}, tangential{};        ///< of lines the first alone
   double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
+  double slid = 0;                                ///< mm, of pads: fem::PadStep::slid
   double area = 0;                                ///< of pads: mm^2 of the cells that touch
   fem::PadBox reach{fem::nowhere, fem::nowhere};  ///< of pads: around these, from the indenter's axis
   int across = 0;                                 ///< elements or cells over which they extend, along the shorter side
@@ -86,6 +87,7 @@ template <class Contacts>
     const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
     row.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, row.tangential = {at.x, at.y};
     row.torque = result(PAD_RESULT_M), row.twist = fem::degrees(at.twist), row.area = result(PAD_RESULT_AREA);
+    row.slid = result(PAD_RESULT_SLID);
     row.reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
                  {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}};
     if (row.slip_index) row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / (contact.friction * row.P);
@@ -120,7 +122,7 @@ Row row_of(const fem::PadStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
   row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
-  row.area = step.area, row.reach = step.reach, row.across = step.across;
+  row.area = step.area, row.reach = step.reach, row.across = step.across, row.slid = step.slid;
   return row;
 }
 void put_stress(const fem::ContactStep& step, std::span<float> frame) {
@@ -310,11 +312,28 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
   return rows;
 }
 
+/// How far the contact on a pad has slid since first touch over its elastic limit, the shear of a layer that bears mu
+/// times the mean pressure.
+class Slide {
+ public:
+  void add(const Row& row, const PadContactOf& contact) {
+    const auto& [poisson, thickness, young] = std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
+    const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young;
+    if (limit > 0) over_limit_ += std::max(0.0, row.slid - slid_) / limit;  // a step solved alone has a path of its own
+    slid_ = row.slid;
+  }
+  double over_limit() const { return over_limit_; }
+
+ private:
+  double slid_ = 0, over_limit_ = 0;  ///< mm, 1
+};
+
 /// Contacts whose rows go into a set, the next of each into row `at`.
 template <class Steps>
 struct RowsFrom {
   std::size_t at = 0;
   Steps steps;
+  Slide slide{};
 };
 
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
@@ -327,9 +346,14 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
       auto& from = contacts[i];
       const auto& contact = *from.steps.contact;
       from.steps.fetch(k + 1, i, contacts.size());
-      if (k < contact.first_step || k >= from.steps.count()) continue;
+      if (k >= from.steps.count()) continue;
+      constexpr bool of_pads = requires { from.slide.add(Row(), contact); };
+      if (!of_pads && k < contact.first_step) continue;
       const Row row = from.steps.row(k);
-      if (is_row(row, contact, k)) put_row(set, from.at++, from.steps, row, contact, k);
+      if constexpr (of_pads) from.slide.add(row, contact);
+      if (!is_row(row, contact, k)) continue;
+      if constexpr (of_pads) set.slid[from.at] = static_cast<float>(from.slide.over_limit());
+      put_row(set, from.at++, from.steps, row, contact, k);
     }
 }
 

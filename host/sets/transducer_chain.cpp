@@ -37,6 +37,9 @@ LateShare late_share(const std::optional<double>& share_from, double share, cons
           .pass = filter.pass};
 }
 
+/// Of a gain; 0 is none, 1.
+float log_of(double gain) { return gain > 0 ? static_cast<float>(std::log(gain)) : 0.0f; }
+
 ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
   t.validate();
   constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -52,6 +55,7 @@ ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
           .step_time = static_cast<float>(t.step_time),
           .time_constant = {least_of(t.time_constant_from, t.time_constant), float(t.time_constant)},
           .gain_spread = {least_of(t.gain_spread_from, t.gain_spread), float(t.gain_spread)},
+          .shear_gain = {log_of(t.shear_gain_from.value_or(t.shear_gain)), log_of(t.shear_gain)},
           .offset_spread = {least_of(t.offset_spread_from, t.offset_spread), float(t.offset_spread)},
           .noise = {least_of(t.noise_from, t.noise), float(t.noise)},
           .noise_of_largest = static_cast<float>(t.noise_of_largest),

@@ -16,6 +16,7 @@ namespace {
 const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
   return target == nn::Target::slip_index    ? set.slip_index
          : target == nn::Target::force_ratio ? set.force_ratio
+         : target == nn::Target::slid        ? set.slid
                                              : set.stick_fraction;
 }
 
@@ -43,7 +44,10 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
-    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = answer[row];
+    const bool slides = target == nn::Target::slid;
+    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = slides ? nn::slid_target(answer[row]) : answer[row];
+    if (slides) frames.slid.push_back(answer[row]);
+    frames.slip.push_back(set.slip_index[row]);
     frames.shape_class.push_back(set.indenter[row]);
     const float* frame = set.frames.data() + row * set.inputs;
     frames.contact_nodes.push_back(set.pad ? nn::touching_tactels(frame, set.inputs / set.axes)
@@ -66,6 +70,8 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
 void require_answers(const SetColumns& columns, const std::string& file, nn::Target target) {
   if (target == nn::Target::force_ratio && !columns.pad)
     throw ConfigError(file, nn::name(target), "missing", "a set of pads; of lines slip_index is this ratio");
+  if (target == nn::Target::slid && !columns.pad)
+    throw ConfigError(file, nn::name(target), "missing", "a set of pads: lines do not count how far they slide");
   require_datasets(
       columns, file,
       {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status", nn::name(target)});
@@ -85,6 +91,7 @@ AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::T
 nn::FrameSet shown_rows(const nn::FrameSet& rows, const nn::InputHistory& history, bool magnitude,
                         const std::string& file) try {
   nn::FrameSet shown = nn::with_history(rows, history);
+  shown.slip.clear(), shown.slid.clear();
   if (magnitude) shown.slip_index = shown.slip_index.cwiseAbs();
   return shown;
 } catch (const ValueError& error) {

@@ -25,8 +25,8 @@ struct Group {
 std::string label_of(const nn::Model& model) {
   std::string label = model.weights.topology.text();
   if (model.noise != 0) label += fmt::format(" {:g}%", 100 * model.noise);
-  if (model.scaling.kind == nn::ScalingKind::frame) label += " frame";
-  if (model.history.frames > 1) label += fmt::format(" {}:{}", model.history.frames, model.history.stride);
+  if (model.scaling.kind != nn::ScalingKind::set) label += fmt::format(" {}", nn::name(model.scaling.kind));
+  if (model.history.path() > 1) label += fmt::format(" {}:{}", model.history.path(), model.history.stride);
   return label;
 }
 

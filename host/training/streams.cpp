@@ -31,7 +31,8 @@ nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::stri
 /// Empty for single frames of S.
 std::string text_of(const ShownRows& shown) {
   const nn::InputHistory& h = shown.history;
-  return (h.frames > 1 ? fmt::format(" history {}:{} change {:a}", h.frames, h.stride, h.change) : "") +
+  return (h.path() > 1 ? fmt::format(" history {}:{} change {:a}", h.path(), h.stride, h.change) : "") +
+         (h.rest ? " rest" : "") +
          (shown.magnitude ? " magnitude" : "") +
          (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }

@@ -28,7 +28,10 @@ constexpr int default_epochs = 1000;
 }
 
 nn::InputHistory history_of(const TrainRequest& request) {
-  return parse_history(request.history, request.history_change);
+  nn::InputHistory history = parse_history(request.history, request.history_change);
+  history.rest = nn::parse_scaling(request.scaling) == nn::ScalingKind::rest;
+  history.frames += history.rest;
+  return history;
 }
 
 /// Refuses an option that was given and would not be used.
@@ -53,6 +56,7 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
+  if (request.target != "slid") refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid");
   if (request.stream.empty() && !request.rung.empty())
     throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
@@ -91,19 +95,21 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
   return batch;
 }
 
-/// The paper's numbers stand for its hidden layers behind as many frames as there are.
-nn::Topology topology_of(const std::string& name, int frames) {
+/// A name has the inputs of the frames without the rest. The paper's numbers stand for its hidden layers behind as many
+/// as there are.
+nn::Topology topology_of(const std::string& name, const nn::InputHistory& history) {
   const nn::Topology topology = nn::Topology::parse(name);
   const bool numbered = name.substr(0, name.find('_')).find('-') == std::string::npos;
-  return numbered ? topology.with_inputs(topology.inputs() * frames) : topology;
+  const int frame = numbered ? topology.inputs() : topology.inputs() / history.path();
+  return topology.with_inputs(topology.inputs() * (numbered ? history.path() : 1) + (history.rest ? frame : 0));
 }
 
-std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames) {
+std::vector<nn::Topology> topologies_of(const TrainRequest& request, const nn::InputHistory& history) {
   std::vector<std::string> names = request.networks;
   if (names.empty()) names = {"1", "2", "3", "4", "5", "6"};
   std::vector<nn::Topology> topologies;
   for (const std::string& name : names) {
-    topologies.push_back(topology_of(name, frames));
+    topologies.push_back(topology_of(name, history));
     if (request.activation)
       topologies.back() = topologies.back().with_activation(nn::parse_activation(*request.activation));
     if (request.bound) topologies.back() = topologies.back().with_bound();
@@ -158,7 +164,8 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   plan.magnitude = request.learns_magnitude();
   plan.features = nn::parse_features(request.features);
   plan.target = nn::parse_target(request.target);
-  plan.topologies = topologies_of(request, plan.history.frames);
+  plan.alarm_at = static_cast<float>(request.alarm_at.value_or(0));
+  plan.topologies = topologies_of(request, plan.history);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
   for (std::uint64_t i = 0; i < request.seeds; ++i) plan.seeds.push_back(request.first_seed + i);
   if (!request.noises.empty()) plan.noises = request.noises;
@@ -183,18 +190,21 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   blame_option(error);
 }
 
+std::string named(const nn::Topology& topology, const nn::InputHistory& history) {
+  return topology.with_inputs(topology.inputs() / history.frames * history.path()).text();
+}
+
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
-  if (plan.history.frames > 1 && !set.contacts.press_rows)
+  if (plan.history.path() > 1 && !set.contacts.press_rows)
     throw ConfigError(set.file, "press_rows", "absent",
                       "rows of the pressing, for --history: [sweep] press_rows = true gives them");
+  const int inputs = set.contacts.inputs, frames = plan.history.path();
   for (const nn::Topology& topology : plan.topologies)
-    if (topology.inputs() != set.contacts.inputs * plan.history.frames)
+    if (topology.inputs() != inputs * plan.history.frames)
       throw ConfigError(
-          "command line", "--network", topology.text(),
-          plan.history.frames == 1
-              ? fmt::format("a network with {} inputs, as many as {} has", set.contacts.inputs, set.file)
-              : fmt::format("a network with {} inputs, {} for each of {} frames",
-                            set.contacts.inputs * plan.history.frames, set.contacts.inputs, plan.history.frames));
+          "command line", "--network", named(topology, plan.history),
+          frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, set.file)
+                      : fmt::format("a network with {} inputs, {} for each of {} frames", inputs * frames, inputs, frames));
 }
 
 }  // namespace tactel::host

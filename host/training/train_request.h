@@ -27,6 +27,7 @@ struct TrainRequest {
   bool magnitude = false;
   std::string features = "frame";
   std::string target = "slip_index";
+  std::optional<double> alarm_at;
   std::optional<std::string> schedule;  ///< "online", "batch" or "cosine"; default: batch for a stream, else online
   std::optional<double> rate, momentum, warm_up, average;
   std::optional<int> cycles, batch, patience;
@@ -65,6 +66,8 @@ NamedSet read_learning_set(const TrainRequest& request);
 /// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
 /// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
+/// Returns the name of a plan's topology as the user gives it: without the inputs of the rest.
+std::string named(const nn::Topology& topology, const nn::InputHistory& history);
 /// Throws ConfigError where a network's number of inputs differs from the set's, or the set lacks the rows that the
 /// plan's history needs.
 void check_width(const TrainingPlan& plan, const NamedSet& set);

@@ -52,9 +52,9 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
     options["cycles"] = plan.options.cycle_limit > 0 ? Json(plan.options.cycle_limit) : Json(nullptr);
   }
   if (plan.features != nn::Features::frame) options["features"] = nn::name(plan.features);
-  if (plan.history.frames > 1)
+  if (plan.history.path() > 1)
     options["history"] = {
-        {"frames", plan.history.frames}, {"stride", plan.history.stride}, {"change", plan.history.change}};
+        {"frames", plan.history.path()}, {"stride", plan.history.stride}, {"change", plan.history.change}};
   if (plan.magnitude) options["magnitude"] = true;
   if (!plan.batch) return options;
   options["batch"] = plan.batch->batch;
@@ -349,8 +349,9 @@ Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device
   }
   for (const nn::Topology& topology : plan.topologies)
     if (lesson.stream && topology.inputs() != lesson.stream->inputs())
-      throw ConfigError("command line", "--network", topology.text(),
-                        fmt::format("a network with {} inputs, as many as the frames have", lesson.stream->inputs()));
+      throw ConfigError("command line", "--network", named(topology, plan.history),
+                        fmt::format("a network with {} inputs, as many as the frames have",
+                                    lesson.stream->inputs() / plan.history.frames * plan.history.path()));
   if (!request.recall_set.empty()) {
     stage(request.recall_set);
     lesson.recall = read_set(request.recall_set, plan.target);

@@ -19,6 +19,7 @@ typedef struct ChainSettings {
   float step_time;        /* s */
   float time_constant[2]; /* s; of a sensor, evenly between the two; alike: decay and pass hold; 0: no high-pass */
   float gain_spread[2];   /* about 1; of a sensor, evenly between the two */
+  float shear_gain[2];    /* natural logarithm of the gain of all axes but the first, alike; both 0: 1 */
   float offset_spread[2]; /* MPa, alike */
   float noise[2];         /* MPa, alike */
   float noise_of_largest; /* over the contact's largest stress */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* The fixed layer of networks with features, with frames in the lanes: nn/features.h, operation by operation. Device
-   only. Built with -D FEATURES (1: line, 2: pad), HISTORY (frames of an input), GRID_COLUMNS, GRID_ROWS (tactels along x
-   and y), SQUARE (1: they lie along x as along y), STRESSES (of an input). */
+   only. Built with -D FEATURES (1: line, 2: pad), SHOWN (scaled frames), GRID_COLUMNS, GRID_ROWS (tactels along x and y),
+   SQUARE (1: they lie along x as along y), RESTED (1: there is no peak). */
 #ifndef TACTEL_SHARED_FEATURES_H
 #define TACTEL_SHARED_FEATURES_H
 
@@ -9,7 +9,6 @@
 #define GRID_TACTELS (GRID_COLUMNS * GRID_ROWS)
 #define FEATURE_AXES (FEATURES_PAD ? 3 : 2)
 #define FEATURE_SUMS (FEATURES_PAD ? 17 : 8)
-#define FRAME_NUMBERS (FEATURE_AXES * GRID_TACTELS)
 #define LEAST_DIVISOR 0.2f /* nn::least_divisor */
 
 INLINE void swap_where(vint where, vreal *a, vreal *b) {
@@ -26,7 +25,7 @@ INLINE void make_canonical(int v, vreal (*x)[FRAME_VECTORS]) {
   ROLLED for (int k = 0; k < GRID_TACTELS; ++k) qy = qy + x[2 * GRID_TACTELS + k][v];
 #endif
   const vint to_left = qx < ALL_LANES(0), downward = qy < ALL_LANES(0);
-  ROLLED for (int frame = 0; frame < HISTORY; ++frame, x += FRAME_NUMBERS) {
+  ROLLED for (int frame = 0; frame < SHOWN; ++frame, x += FRAME_NUMBERS) {
     ROLLED for (int row = 0; row < FEATURE_AXES * GRID_ROWS; ++row) {
       for (int i = 0; i < GRID_COLUMNS / 2; ++i)
         swap_where(to_left, &x[row * GRID_COLUMNS + i][v], &x[row * GRID_COLUMNS + GRID_COLUMNS - 1 - i][v]);
@@ -118,9 +117,13 @@ INLINE void put_sums(int v, const vreal (*x)[FRAME_VECTORS], vreal (*out)[FRAME_
 /* From scaled frames to their image, its sums and the share of the peak [MPa] in itself and the usual one. */
 INLINE void add_features(int v, vreal peak, real usual, vreal (*x)[FRAME_VECTORS]) {
   make_canonical(v, x);
-  ROLLED for (int frame = 0; frame < HISTORY; ++frame)
-      put_sums(v, x + frame * FRAME_NUMBERS, x + STRESSES + frame * FEATURE_SUMS);
+  ROLLED for (int frame = 0; frame < SHOWN; ++frame)
+      put_sums(v, x + frame * FRAME_NUMBERS, x + SHOWN * FRAME_NUMBERS + frame * FEATURE_SUMS);
+#if RESTED
+  (void)peak, (void)usual;
+#else
   x[INPUTS - 1][v] = peak / (peak + ALL_LANES(usual));
+#endif
 }
 
 #endif

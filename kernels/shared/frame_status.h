@@ -17,5 +17,6 @@
    Such a frame is first multiplied by LARGE_SCALE, a power of two, which keeps its bits. */
 #define LARGE_STRESS 0x1p126f
 #define LARGE_SCALE 0x1p-8f
+#define REST_SCALE 0x1p-10f /* times which inputs with a rest are taken */
 
 #endif

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "nn/infer/rest_reference.h"
 
 namespace tactel {
 namespace {
 
+constexpr float usual_at = 0.8f;      // of S
 constexpr float release = 0.05f;      // of S, below `at`
 constexpr std::size_t most_axes = 3;  // of a tactel
 
@@ -24,7 +26,7 @@ void check(const AlarmOptions& options, double touch, bool has_bound) {
     refuse("at", options.at, "must be above 0 and below 0.5: 1.2 times the largest `moved` of a hold");
   if (!moved && !(never || (options.at >= 0 && options.at <= 1))) refuse("at", options.at, "must be 0 to 1");
   if (!(touch >= 0 && std::isfinite(touch))) refuse("touch", touch, "must be 0 or above, MPa");
-  if ((moved || options.rest) && touch == 0)
+  if (options.rest && touch == 0)
     refuse("touch", touch, "must be above 0 with a rest, which ends where nothing touches, MPa");
   if (options.hold < 1) refuse("hold", options.hold, "must be 1 frame or more");
   if (!(options.widest >= 0)) refuse("widest", options.widest, "must be 0 or above");
@@ -32,39 +34,55 @@ void check(const AlarmOptions& options, double touch, bool has_bound) {
     refuse("widest", options.widest, "leave it out for a network without a bound: it has no interval");
 }
 
-/// Returns the threshold of touch, MPa.
-double checked(const SlipEstimator& network, const AlarmOptions& options) {
-  const double touch = options.touch.value_or(network.smallest_peak());
-  check(options, touch, network.has_bound());
+constexpr std::string_view slid = "slid";  // nn::Target::slid
+
+/// Returns the rules with their threshold, with a rest where one is needed, and with a threshold of touch.
+AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
+  options.touch = options.touch.value_or(network.smallest_peak());
+  options.rest |= network.needs_rest() || options.signal == AlarmSignal::moved;
   const std::string target = network.metadata("target");
+  const bool own = options.at == AlarmOptions().at;
+  if (own && target == slid && network.alarm_at() == 0)
+    throw InputError("at", "missing, and not in the network's file",
+                     "give 1.2 times the largest answer in a hold that holds (tactel tare --hold --network)");
+  if (own) options.at = network.alarm_at() > 0 ? network.alarm_at() : usual_at;
+  check(options, *options.touch, network.has_bound());
   const bool never = options.at == std::numeric_limits<float>::infinity();
-  if (!never && options.signal == AlarmSignal::slip && !target.empty())
-    throw InputError("network", "estimates " + target, "give one of S: the alarm is for S");
-  return touch;
+  if (!never && options.signal == AlarmSignal::slip && !target.empty() && target != slid)
+    throw InputError("network", "estimates " + target, "give one of S or slid: the alarm is for slip");
+  return options;
 }
 
-double checked(std::size_t tactels, std::size_t axes, const AlarmOptions& options) {
+AlarmOptions checked(std::size_t tactels, std::size_t axes, AlarmOptions options) {
   if (options.signal != AlarmSignal::moved) throw InputError("signal", "slip", "must be moved without a network");
   if (tactels == 0) throw InputError("tactels", "0", "must be 1 or more");
   if (axes == 0 || axes > most_axes) throw InputError("axes", std::to_string(axes), "must be 1, 2 or 3");
-  const double touch = options.touch.value_or(0);
-  check(options, touch, false);
-  return touch;
+  options.touch = options.touch.value_or(0);
+  options.rest = true;
+  if (options.at == AlarmOptions().at) options.at = usual_at;
+  check(options, *options.touch, false);
+  return options;
 }
 
 }  // namespace
 
 struct Alarm::State {
-  State(const AlarmOptions& rules, double least, std::size_t numbers, std::size_t normals)
-      : options(rules), touch(least), inputs(numbers), tactels(normals) {
-    if (options.rest || by_moved()) rest.emplace(inputs, tactels, touch);
+  State(const AlarmOptions& rules, std::size_t numbers, std::size_t normals)
+      : options(rules), touch(*rules.touch), inputs(numbers), tactels(normals) {
+    if (options.rest) rest.emplace(inputs, tactels, touch);
   }
   bool by_moved() const noexcept { return options.signal == AlarmSignal::moved; }
+  /// Whether the alarm judges changes since the rest.
+  bool by_changes() const noexcept { return by_moved() || needs_rest; }
   bool seeks_rest(const AlarmAnswer& given) const noexcept {
-    return by_moved() && given.rest == false && given.answer.status != AnswerStatus::not_finite;
+    return by_changes() && given.rest == false && given.answer.status != AnswerStatus::not_finite;
   }
   bool nothing(const AlarmAnswer& given) const noexcept {
-    return given.contact == false || (!by_moved() && given.answer.status == AnswerStatus::no_stress);
+    return given.contact == false || (!by_changes() && given.answer.status == AnswerStatus::no_stress);
+  }
+  float end() const noexcept {
+    const bool by_share = by_moved() || of_slid;
+    return by_share ? options.at / static_cast<float>(infer::hold_margin) : options.at - release;
   }
   float number_of(const AlarmAnswer& given) const noexcept {
     if (nothing(given) || seeks_rest(given)) return 0;
@@ -76,16 +94,19 @@ struct Alarm::State {
   std::optional<SlipHistory> history{};
   std::optional<infer::RestReference> rest{};
   std::size_t inputs, tactels;
-  bool has_bound = false, on = false;
+  bool has_bound = false, needs_rest = false, of_slid = false;  ///< of the network
+  bool on = false;
   int asking = 0;  ///< frames in a row that asked for the alarm
 };
 
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
-    : state_(new State(options, checked(network, options), network.inputs() / network.frames(), network.tactels())) {
-  state_->history.emplace(network), state_->has_bound = network.has_bound();
+    : state_(new State(checked(network, options), network.inputs() / network.frames(), network.tactels())) {
+  state_->history.emplace(network, state_->touch);
+  state_->has_bound = network.has_bound(), state_->needs_rest = network.needs_rest();
+  state_->of_slid = network.metadata("target") == slid;
 }
 Alarm::Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options)
-    : state_(new State(options, checked(tactels, axes, options), tactels * axes, tactels)) {}
+    : state_(new State(checked(tactels, axes, options), tactels * axes, tactels)) {}
 Alarm::~Alarm() { delete state_; }
 
 std::size_t Alarm::inputs() const noexcept { return state_->inputs; }
@@ -113,6 +134,7 @@ AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated)
   if (state_->rest && whole) {
     given.moved = state_->rest->next(frame, *given.contact);
     given.rest = state_->rest->found();
+    if (state_->needs_rest && !*given.rest) given.answer.slip_index = given.answer.slip_upper = std::nanf("");
   }
   given.acted_on = state_->number_of(given);
   return given;
@@ -133,8 +155,7 @@ AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
     if (state_->asking == rules.hold) state_->on = true;
   } else if (!none) {
     state_->asking = 0;
-    if (given.acted_on < (by_moved ? rules.at / static_cast<float>(infer::hold_margin) : rules.at - release))
-      state_->on = false;
+    if (given.acted_on < state_->end()) state_->on = false;
   }
   given.on = state_->on;
   given.cannot_tell = none || unlike || (wide && !given.on) || (!nothing && state_->seeks_rest(given));
@@ -142,8 +163,9 @@ AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
 }
 
 void Alarm::rest() noexcept {
+  if (state_->history) state_->history->rest();
   if (state_->rest) state_->rest->forget();
-  if (state_->by_moved()) state_->on = false, state_->asking = 0;
+  if (state_->by_changes()) state_->on = false, state_->asking = 0;
 }
 
 void Alarm::clear() noexcept {

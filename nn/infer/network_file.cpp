@@ -63,7 +63,7 @@ template <class Ranges>
 auto ranges_of(Ranges& learnt) {
   return std::array{std::pair{"smallest_peak", &learnt.smallest_peak}, std::pair{"largest_peak", &learnt.largest_peak},
                     std::pair{"least_friction", &learnt.least_friction},
-                    std::pair{"most_friction", &learnt.most_friction}};
+                    std::pair{"most_friction", &learnt.most_friction}, std::pair{"alarm_at", &learnt.alarm_at}};
 }
 
 Metadata metadata_of(const nn::Model& model, const string& version) {
@@ -312,7 +312,8 @@ void read_weights(const Contents& contents, nn::Weights<float>& weights) {
 nn::InputHistory read_history(const Metadata& metadata) {
   if (!metadata.contains("history")) return {};
   const nn::InputHistory history{number_of<int>(metadata, "history"), number_of<int>(metadata, "stride"),
-                                 number_of<double>(metadata, "history_change")};
+                                 number_of<double>(metadata, "history_change"),
+                                 text_of(metadata, "scaling") == nn::name(nn::ScalingKind::rest)};
   if (!history.valid() || history.frames < 2)
     throw Refused{"history " + shown(text_of(metadata, "history")),
                   "2 to 128 frames, a stride of 1 to 1000, a change of 0 to 1"};
@@ -349,7 +350,8 @@ void check_frames(const nn::Model& model) {
   const int stresses = model.stresses(), tactels = scaling.normals(stresses);
   const bool grid = scaling.features == nn::Features::frame || tactels % scaling.columns == 0;
   const bool turns = !scaling.square || tactels == scaling.columns * scaling.columns;
-  if (stresses > 0 && stresses % (scaling.axes * scaling.history) == 0 && grid && turns) return;
+  const bool whole = scaling.inputs(stresses) == model.weights.topology.inputs();
+  if (stresses > 0 && stresses % (scaling.axes * scaling.history) == 0 && whole && grid && turns) return;
   throw Refused{std::to_string(scaling.axes) + " axes and a history of " + std::to_string(scaling.history) +
                     " of the network " + model.weights.topology.text(),
                 "stresses of a tactel and frames that divide its inputs, in columns that divide its tactels"};

@@ -71,9 +71,9 @@ void add_frame_scaling(Builder& graph, int normals, const string& output) {
   graph.node("Where", {"no_stress", "zero", "relative"}, output);
 }
 
-/// Where each stress of an image comes from, and its sign: of all images, [images][stresses].
-void add_image_tables(Builder& graph, const nn::InputScaling& scaling, int stresses) {
-  const int n = scaling.normals(stresses), columns = scaling.columns, rows = n / columns;
+/// Where each of so many scaled stresses of an image comes from, and its sign: of all images, [images][stresses].
+void add_image_tables(Builder& graph, const nn::InputScaling& scaling, int n, int stresses) {
+  const int columns = scaling.columns, rows = n / columns;
   const int images = scaling.features == nn::Features::line ? 2 : scaling.square ? 8 : 4;
   std::vector<std::int64_t> places;
   std::vector<float> signs;
@@ -121,10 +121,32 @@ class Rows {
   std::set<int> known_;
 };
 
-/// The image of `relative_frame`, [batch, stresses], that its newest frame's Q chooses.
-void add_image(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses) {
-  const int n = scaling.normals(stresses);
-  add_image_tables(graph, scaling, stresses);
+/// Differences of frames to the input's last one, the rest, over its P; zeros where it has none.
+void add_rest_scaling(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses, const string& output) {
+  const int width = stresses / scaling.history, shown = scaling.shown() * width;
+  graph.integer("along_frame", 1);
+  graph.scalar("zero", 0.0f);
+  graph.scalar("one", 1.0f);
+  graph.scalar("smallest_stress", nn::InputScaling::smallest_stress);
+  rows.slice("frame", 0, shown, "path");
+  rows.slice("frame", shown, shown + width, "rest");
+  rows.slice("rest", 0, scaling.normals(stresses), "rest_normals");
+  rows.sum("rest_normals", "rest_tension");
+  graph.node("Neg", {"rest_tension"}, "rest_force");
+  graph.node("Less", {"rest_force", "smallest_stress"}, "no_stress");
+  graph.node("Where", {"no_stress", "one", "rest_force"}, "rest_divisor");
+  if (scaling.shown() > 1) {
+    const std::vector<string> repeated(static_cast<std::size_t>(scaling.shown()), "rest");
+    graph.node("Concat", repeated, "rests", {{"axis", 1}});
+  }
+  graph.node("Sub", {"path", scaling.shown() > 1 ? "rests" : "rest"}, "changes");
+  graph.node("Div", {"changes", "rest_divisor"}, "relative");
+  graph.node("Where", {"no_stress", "zero", "relative"}, output);
+}
+
+/// The image of `relative_frame`, [batch, scaled stresses], that its newest frame's Q chooses.
+void add_image(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int n) {
+  add_image_tables(graph, scaling, n, scaling.shown() * scaling.axes * n);
   const auto is_negative = [&](int axis, const string& name) {
     rows.slice("relative_frame", axis * n, (axis + 1) * n, name + "_newest");
     rows.sum(name + "_newest", name + "_force");
@@ -230,17 +252,17 @@ std::vector<string> add_sums(Builder& graph, Rows& rows, const nn::InputScaling&
 }
 
 /// nn::add_features, from `relative_frame` and `largest_normal` to `scaled`.
-void add_features(Builder& graph, const nn::InputScaling& scaling, int stresses) {
+void add_features(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses) {
   const int n = scaling.normals(stresses);
-  Rows rows(graph);
   graph.scalar("least_divisor", nn::least_divisor);
-  graph.scalar("usual_stress", scaling.usual_stress);
-  add_image(graph, rows, scaling, stresses);
+  if (scaling.has_peak()) graph.scalar("usual_stress", scaling.usual_stress);
+  add_image(graph, rows, scaling, n);
   graph.integers("shape_of_frames", {2}, {-1, scaling.axes * n});
-  graph.integers("shape_of_sums", {2}, {-1, scaling.history * scaling.sums()});
+  graph.integers("shape_of_sums", {2}, {-1, scaling.shown() * scaling.sums()});
   graph.node("Reshape", {"canonical", "shape_of_frames"}, "one_frame");
   graph.node("Concat", add_sums(graph, rows, scaling, n), "sums_of_frame", {{"axis", 1}});
   graph.node("Reshape", {"sums_of_frame", "shape_of_sums"}, "sums");
+  if (!scaling.has_peak()) return graph.node("Concat", {"canonical", "sums"}, "scaled", {{"axis", 1}});
   graph.node("Add", {"largest_normal", "usual_stress"}, "peak_and_usual");
   graph.node("Div", {"largest_normal", "peak_and_usual"}, "peak_share_of_any");
   graph.node("Where", {"no_stress", "zero", "peak_share_of_any"}, "peak_share");
@@ -396,11 +418,15 @@ Graph graph_of(const nn::Model& model) {
   const bool features = model.scaling.features != nn::Features::frame;
   Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", model.stresses()}, {{nn::name(model.target), 1}}};
   Builder builder(graph);
+  Rows rows(builder);
+  const string relative = features ? "relative_frame" : "scaled";
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
+  else if (model.scaling.kind == nn::ScalingKind::frame)
+    add_frame_scaling(builder, model.scaling.normals(model.stresses()), relative);
   else
-    add_frame_scaling(builder, model.scaling.normals(model.stresses()), features ? "relative_frame" : "scaled");
-  if (features) add_features(builder, model.scaling, model.stresses());
+    add_rest_scaling(builder, rows, model.scaling, model.stresses(), relative);
+  if (features) add_features(builder, rows, model.scaling, model.stresses());
   builder.scalar("half", 0.5f);
   string last = "scaled";
   for (int l = 0; l < topology.layers(); ++l) {

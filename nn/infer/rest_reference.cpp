@@ -33,6 +33,10 @@ double RestReference::force(std::span<const float> frame) const noexcept {
 
 void RestReference::forget() noexcept { found_ = false, still_ = moving_ = apart_ = tightening_ = 0; }
 
+void RestReference::write(float* rest) const noexcept {
+  std::ranges::transform(sum_, rest, [&](double mean) { return found_ ? static_cast<float>(mean) : 0.0f; });
+}
+
 void RestReference::begin(std::span<const float> frame) noexcept {
   moving_ = std::min(moving_ + still_, share * enough);
   still_ = 1, steps_ = 0, force_ = force(frame);

@@ -21,6 +21,7 @@
 #include "nn/infer/bound.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/loaded_network.h"
+#include "nn/infer/sensor_frames.h"
 
 namespace tactel {
 
@@ -96,11 +97,29 @@ bool all_finite(const float* numbers, int count) noexcept {
   return found == 0;
 }
 
+/// scale_frame by the rest, of finite stresses.
+AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, const float* frame,
+                               float* scaled) noexcept {
+  const int width = inputs / scaling.history, frames = scaling.shown();
+  const float* const rest = frame + frames * width;
+  constexpr float scale = nn::InputScaling::rest_scale;
+  float P = 0;
+  for (int k = 0; k < scaling.normals(inputs); ++k) P = P - rest[k] * scale;
+  if (!(P >= nn::InputScaling::smallest_stress * scale)) return AnswerStatus::no_stress;
+  const float factor = 1.0f / P;
+  for (int i = 0; i < frames; ++i)
+    for (int k = 0; k < width; ++k)
+      scaled[i * width + k] = (frame[i * width + k] * scale - rest[k] * scale) * factor;
+  if (scaling.features != nn::Features::frame) nn::add_features(scaling, inputs, 0.0f, scaled);
+  return AnswerStatus::ok;
+}
+
 /// Scales a frame as nn/input_scaling.cpp does. A frame that is not finite, or carries no stress, becomes zeros.
 AnswerStatus scale_frame(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
   std::fill_n(scaled, network.scaling.inputs(inputs), 0.0f);
   if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
+  if (network.scaling.kind == nn::ScalingKind::rest) return scale_differences(network.scaling, inputs, frame, scaled);
   float factor = network.factor, scale = 1, largest = 0;
   if (network.by_frame) {
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
@@ -236,29 +255,36 @@ std::size_t SlipEstimator::frames() const noexcept { return static_cast<std::siz
 std::size_t SlipEstimator::tactels() const noexcept { return static_cast<std::size_t>(network_->normals); }
 bool SlipEstimator::has_bound() const noexcept { return network_->bound.has_value(); }
 float SlipEstimator::smallest_peak() const noexcept { return network_->learnt.smallest_peak; }
+bool SlipEstimator::needs_rest() const noexcept { return network_->history.rest; }
+float SlipEstimator::alarm_at() const noexcept { return network_->learnt.alarm_at; }
 
 struct SlipHistory::State {
-  explicit State(const SlipEstimator& network)
-      : network(network), history(network.inputs() / network.frames(), network.network_->history) {}
+  State(const SlipEstimator& network, std::optional<double> touch)
+      : network(network),
+        frames(network.network_->scaling, network.network_->history, network.network_->learnt, network.network_->inputs,
+               touch) {}
   SlipEstimator network;
-  nn::FrameHistory history;
-  alignas(64) float input[nn::Topology::widest_layer];
+  infer::SensorFrames frames;
+  alignas(64) float input[2 * nn::Topology::widest_layer];  // a rest is as wide as the newest frame, and no input
 };
 
-SlipHistory::SlipHistory(const SlipEstimator& network) : state_(new State(network)) {}
+SlipHistory::SlipHistory(const SlipEstimator& network) : SlipHistory(network, std::nullopt) {}
+SlipHistory::SlipHistory(const SlipEstimator& network, std::optional<double> touch)
+    : state_(new State(network, touch)) {}
 SlipHistory::~SlipHistory() { delete state_; }
 
-std::size_t SlipHistory::inputs() const noexcept { return state_->history.width(); }
+std::size_t SlipHistory::inputs() const noexcept { return state_->frames.width(); }
 
 Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
   if (frame.size() != inputs()) return answer_of(AnswerStatus::wrong_size, 0);
   const OwnArithmetic arithmetic(false);
-  state_->history.push(frame.data());
-  state_->history.write(state_->input);
-  return state_->network.estimate({state_->input, state_->history.inputs()});
+  state_->frames.push(frame.data());
+  state_->frames.write(state_->input);
+  return state_->network.estimate({state_->input, state_->network.inputs()});
 }
 
-void SlipHistory::clear() noexcept { state_->history.clear(); }
+void SlipHistory::rest() noexcept { state_->frames.rest(); }
+void SlipHistory::clear() noexcept { state_->frames.clear(); }
 
 std::string SlipEstimator::topology() const { return metadata("topology"); }
 

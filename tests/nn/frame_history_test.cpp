@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -162,6 +163,36 @@ TEST(WithHistory, OneFrameChangesNothing) {
   set = two_contacts();
   set.step.pop_back();
   EXPECT_THROW(with_history(set, {.frames = 2}), ValueError);
+}
+
+// Of two axes a row is a normal stress and a shear; P is 1 MPa, in the last row 3. Its rest is the one earlier row with
+// |S| below 0.9 and a P of its size, or the row itself. D / (1 + D) of a slide D since then: 0.25 / 1.25 and 1 / 2.
+TEST(WithHistory, ARestIsAnEarlierRowThatHolds) {
+  FrameSet set{.frames = RowMatrix<float>{{-1, 0}, {-1, 0.5}, {-1, 0.75}, {-3, 1}},
+               .slip_index = Vector<float>::Zero(4),
+               .contact = {3, 3, 3, 3},
+               .step = {4, 5, 6, 7}};
+  set.slip = {0.1f, 0.95f, -1, 0.2f}, set.slid = {0, 0.25f, 1, 1.5f};
+  const FrameSet formed = with_history(set, {.frames = 2, .rest = true});
+  EXPECT_EQ(formed.frames, (RowMatrix<float>{{-1, 0, -1, 0}, {-1, 0.5, -1, 0}, {-1, 0.75, -1, 0}, {-3, 1, -3, 1}}));
+  EXPECT_EQ(formed.slip_index, (Vector<float>{{0, 0.2f, 0.5f, 0}}));
+  set.slip.clear();
+  EXPECT_THROW(with_history(set, {.frames = 2, .rest = true}), ValueError);
+}
+
+// Of 3000 rows each of the nine earlier ones is the rest of some 333: six standard deviations are 104.
+TEST(WithHistory, ARestIsAnyOfThoseThatHold) {
+  constexpr int contacts = 3000, rows = 10;
+  FrameSet set{.frames = RowMatrix<float>::Constant(contacts * rows, 2, -1), .slip_index = Vector<float>::Zero(contacts * rows)};
+  for (int row = 0; row < contacts * rows; ++row) {
+    set.frames(row, 1) = static_cast<float>(row % rows);
+    set.contact.push_back(static_cast<std::uint64_t>(row / rows)), set.step.push_back(static_cast<std::uint32_t>(row % rows));
+  }
+  set.slip.assign(contacts * rows, 0.5f);
+  const FrameSet formed = with_history(set, {.frames = 2, .rest = true});
+  std::array<int, rows> taken{};
+  for (int row = rows - 1; row < contacts * rows; row += rows) ++taken[static_cast<std::size_t>(formed.frames(row, 3))];
+  for (int i = 0; i < rows - 1; ++i) EXPECT_NEAR(taken[static_cast<std::size_t>(i)], 333, 104) << i;
 }
 
 TEST(WithHistory, DifferencesAreToTheNewestFrame) {

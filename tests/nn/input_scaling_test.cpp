@@ -56,6 +56,28 @@ TEST(InputScaling, ByFrameTakesTheNormalStressesOfAPad) {
   EXPECT_EQ(fit_scaling(ScalingKind::frame, set).axes, 3);
 }
 
+// Two tactels with two axes, the newest frame and the rest, whose P is 2 + 2 MPa. A rest without P is none.
+TEST(InputScaling, ByRestTakesDifferencesOverItsForce) {
+  const InputScaling rest{ScalingKind::rest, 1.0f, 2};
+  const auto scaled = [&](const std::vector<float>& frames) {
+    std::vector<float> x(static_cast<std::size_t>(rest.inputs(static_cast<int>(frames.size()))), not_a_number);
+    return Scaled{scale_frame(rest, frames.data(), static_cast<int>(frames.size()), x.data()), x};
+  };
+  EXPECT_EQ(rest.stresses(4), 8);
+  EXPECT_THAT(scaled({-3, -1, 0.5f, 0.25f, -2, -2, 0.5f, 0}).values, ElementsAre(-0.25f, 0.25f, 0.0f, 0.0625f));
+  for (const float largest : {0x1p-30f, 0x1p127f})  // 2^127 + 2^127 is infinity in fp32
+    EXPECT_THAT(scaled({-largest, largest, 0, 0, -largest, -largest, largest, 0}).values,
+                ElementsAre(0.0f, 1.0f, -0.5f, 0.0f));
+  for (const std::vector<float>& none : {std::vector<float>{-1, -1, 0, 0, 0, 0, 0, 0}, {-1, -1, 0, 0, 2, -1, 0, 0}}) {
+    EXPECT_EQ(scaled(none).status, FrameStatus::no_stress);
+    EXPECT_THAT(scaled(none).values, Each(0.0f));
+  }
+  EXPECT_EQ(scaled({-1, -1, 0, 0, -1, not_a_number, 0, 0}).status, FrameStatus::not_finite);
+  InputScaling alone = rest;
+  alone.history = 1;
+  EXPECT_THROW(alone.validate(), ValueError);
+}
+
 // Above 2^126 the reciprocal of a stress is no normal number in fp32; the answer is nevertheless the exact quotient.
 TEST(InputScaling, ByFrameHoldsUpToTheLargestFloat) {
   for (const float factor : {0x1p125f, 0x1p126f, 0x1p127f})

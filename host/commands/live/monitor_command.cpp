@@ -249,16 +249,20 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
                         fmt::format("a network of {}, as the first", nn::name(networks.front().target)));
   if (request.view && moved)
     throw ConfigError("command line", "--view", "", "left out with --signal moved: it shows S");
-  if (!none && networks.front().target != nn::Target::slip_index &&
-      (request.view || (!request.alarm_given.empty() && !moved)))
+  const nn::Target target = none ? nn::Target::slip_index : networks.front().target;
+  const bool alarms = moved || target == nn::Target::slip_index || target == nn::Target::slid;
+  if ((request.view && target != nn::Target::slip_index) || (!request.alarm_given.empty() && !alarms))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
-                      fmt::format("left out for a network of {}: they are for S", nn::name(networks.front().target)));
+                      fmt::format("left out for a network of {}: they are for S", nn::name(target)));
   if (request.options.rest && request.options.touch == 0.0)
-    throw ConfigError("command line", "--touch", "0", "above 0 with --rest: a grip ends where nothing touches");
+    throw ConfigError("command line", "--touch", "0",
+                      "above 0 with --rest or a network by the rest: a grip ends where nothing touches");
 }
 
-/// The number of --alarm; of --signal moved without one that of the calibration.
-std::optional<float> alarm_of(const MonitorRequest& request, const hw::Calibration& calibration) {
+/// The number of --alarm; without one, of --signal moved that of the calibration, and of a network of slid that of the
+/// calibration or its own.
+std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn::Model> networks,
+                              const hw::Calibration& calibration) {
   if (request.alarm_given.empty()) return std::nullopt;
   const std::string& given = request.alarm_given.front();
   const bool moved = request.options.signal == AlarmSignal::moved;
@@ -268,17 +272,23 @@ std::optional<float> alarm_of(const MonitorRequest& request, const hw::Calibrati
       throw ConfigError("command line", "--alarm", given, "a number above 0 and below 0.5 with --signal moved");
     return number;
   }
-  if (!moved) return default_alarm;
-  if (calibration.moved > 0) return static_cast<float>(calibration.moved);
+  if (!moved && (networks.empty() || networks.front().target != nn::Target::slid)) return default_alarm;
+  if (const double of_hold = moved ? calibration.moved : calibration.slid; of_hold > 0)
+    return static_cast<float>(of_hold);
+  if (!moved && networks.front().learnt.alarm_at > 0) return networks.front().learnt.alarm_at;
   throw ConfigError("command line", "--alarm", "(missing)",
-                    "given with a number, or after tactel tare --hold, whose --output is the --calibration");
+                    fmt::format("given with a number, or after tactel tare --hold{}, whose --output is the "
+                                "--calibration",
+                                moved ? "" : " --network"));
 }
 
 int run_monitor(MonitorRequest request) {
   std::vector<nn::Model> networks;
   for (const std::string& file : request.networks) networks.push_back(read_onnx(file));
   const bool moved = request.signal == "moved" || (networks.empty() && request.options.rest && request.signal.empty());
-  if (moved) request.options.signal = AlarmSignal::moved, request.options.rest = true;
+  if (moved) request.options.signal = AlarmSignal::moved;
+  const bool needs_rest = std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.rest; });
+  request.options.rest |= moved || needs_rest;
   check_request(request, networks);
   const nn::Target target = networks.empty() ? nn::Target::slip_index : networks.front().target;
   std::optional<Device> device;
@@ -292,7 +302,7 @@ int run_monitor(MonitorRequest request) {
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || knows_touch(opened.profile);
   MonitorOptions options = request.options;
-  request.alarm = alarm_of(request, opened.profile.map.calibration);
+  request.alarm = alarm_of(request, networks, opened.profile.map.calibration);
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
   options.ignore_unlike = request.unlike == "ignore";
@@ -382,7 +392,8 @@ void add_monitor_command(CLI::App& app, Action& action) {
               "--alarm", request->alarm_given,
               "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
               "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too; with "
-              "--signal moved from this \"moved\" on, no unit (default: 0.8; of moved that of tactel tare --hold)")
+              "--signal moved from this \"moved\" on, with a network of slid from this answer on, no unit (default: "
+              "0.8; of moved that of tactel tare --hold; of slid that or the network's own)")
           ->type_name("FLOAT")
           ->expected(0, 1)
           ->check(CLI::Range(0.0f, 1.0f));

@@ -9,6 +9,7 @@
 #include "host/commands/live/sensor_session.h"
 #include "host/live/frame_reader.h"
 #include "host/live/live_monitor.h"
+#include "host/networks/onnx_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/progress_line.h"
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t fewest_frames = 8;  // fewer cannot tell rest from motion
 
 struct TareRequest : SensorRequest {
-  std::string output, hold;
+  std::string output, hold, network;
   bool force = false;
 };
 
@@ -59,9 +60,9 @@ std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   return worst;
 }
 
-/// The threshold of `moved`: 1.2 times its largest in a recording of a hold. Throws SourceError where it has no rest,
-/// or ends.
-double threshold_of(const TareRequest& request, const hw::Calibration& calibration) {
+/// Adds the thresholds of `moved` and of a network of `slid`: 1.2 times their largest in a recording of a hold. Throws
+/// SourceError where it has no rest, or ends.
+void add_thresholds(const TareRequest& request, std::span<const nn::Model> networks, hw::Calibration& calibration) {
   const std::string& given = request.hold;
   const bool source = given.starts_with("replay:") || given.starts_with("csv:") || given.starts_with("simulate:");
   OpenSource hold = open_source(source ? given : "replay:" + given, request.profiles, {});
@@ -75,8 +76,9 @@ double threshold_of(const TareRequest& request, const hw::Calibration& calibrati
   hold.profile.map.calibration = calibration;
   if (!knows_touch(hold.profile))
     throw refuse("the readings at rest have no noise, which tells a touch", "take --source from the sensor itself");
-  LiveMonitor monitor({}, hold.profile, {.late = 1e9, .rest = true, .signal = AlarmSignal::moved});
-  float largest = 0;
+  LiveMonitor monitor(networks, hold.profile,
+                      {.late = 1e9, .rest = true, .signal = networks.empty() ? AlarmSignal::moved : AlarmSignal::slip});
+  float largest = 0, most_slid = 0;
   std::size_t found = 0;  // pads whose rest is known
   std::optional<std::uint64_t> ended;
   monitor.run(*hold.source, {.line = [&](const MonitorLine& line) {
@@ -85,22 +87,37 @@ double threshold_of(const TareRequest& request, const hw::Calibration& calibrati
       rests = static_cast<std::size_t>(std::ranges::count(line.pads, true, &AlarmAnswer::rest)),
       touch = static_cast<std::size_t>(std::ranges::count(line.pads, true, &AlarmAnswer::contact));
     if (rests < found && !ended && touch < found) ended = line.frame.number;
-    if (rests < found) largest = 0;  // the hand tightened its grip
-    largest = std::fmax(largest, line.moved);
+    if (rests < found) largest = most_slid = 0;  // the hand tightened its grip
+    largest = std::fmax(largest, line.moved), most_slid = std::fmax(most_slid, line.acted_on);
     found = rests;
   }});
   if (found == 0 && !ended)
     throw refuse("no grip at rest in it", "record a hand that grips, holds still, and moves as in use");
   if (ended)
     throw refuse(fmt::format("the grip ends at frame {}", *ended), "record a hold that ends before the hand opens");
-  const double threshold = infer::hold_margin * largest;
-  if (!(threshold > 0 && threshold < infer::most_moved))
+  calibration.moved = infer::hold_margin * largest;
+  if (!(calibration.moved > 0 && calibration.moved < infer::most_moved))
     throw refuse(fmt::format("the stresses change by {:.2g} of the normal force", largest), "record a grip that holds");
-  return threshold;
+  if (networks.empty()) return;
+  calibration.slid = std::max(infer::hold_margin * most_slid, infer::least_slid);
+  if (!(calibration.slid < 1))
+    throw refuse(fmt::format("the network says that it slides, {:.2g}", most_slid), "record a grip that holds");
+}
+
+/// The network of --network; none without it.
+std::vector<nn::Model> networks_of(const TareRequest& request) {
+  if (request.network.empty()) return {};
+  if (request.hold.empty())
+    throw ConfigError("command line", "--network", request.network, "given with --hold, whose slid it judges");
+  std::vector<nn::Model> networks{read_onnx(request.network)};
+  if (networks.front().target != nn::Target::slid)
+    throw ConfigError("command line", "--network", nn::name(networks.front().target), "a network of slid");
+  return networks;
 }
 
 int run_tare(const TareRequest& request) {
   check_writable("--output", request.output);
+  const std::vector<nn::Model> networks = networks_of(request);
   OpenSource opened = open_for(request);
   hw::Decoder decoder(opened.profile.format());
   const Until until(opened.source->live() ? request.seconds : 0);  // a recording's time is that of its packets
@@ -127,10 +144,11 @@ int run_tare(const TareRequest& request) {
   calibration.offset = tare.offset();
   calibration.noise = tare.noise();
   calibration.has_zero = true;
-  if (!request.hold.empty()) calibration.moved = threshold_of(request, calibration);
+  if (!request.hold.empty()) add_thresholds(request, networks, calibration);
   write_file("--output", request.output, calibration_text(calibration));
   say(fmt::format("the mean of {} frames is in {}", tare.frames(), request.output));
   if (!request.hold.empty()) say(fmt::format("the alarm of moved begins at {:.4g}", calibration.moved));
+  if (!networks.empty()) say(fmt::format("the alarm of {} begins at {:.4g}", request.network, calibration.slid));
   return done;
 }
 
@@ -154,6 +172,10 @@ void add_tare_command(CLI::App& app, Action& action) {
           "recording of a grip that holds, moved as in use: 1.2 times its largest \"moved\" is the threshold of "
           "monitor --signal moved --alarm; of tactel record, or csv:FILE")
       ->type_name("RECORDING");
+  command
+      ->add_option("--network", request->network,
+                   "with --hold: 1.2 times the largest answer of this network of slid is its threshold, too")
+      ->type_name("FILE.onnx");
   command->add_flag("--force", request->force, "write the file even if the sensor moved");
   command->callback([request, &action] { action = [request] { return run_tare(*request); }; });
 }

@@ -83,7 +83,8 @@ enum tactel_signal {
 
 /* Rules of an alarm, as tactel::AlarmOptions of tactel/infer.h. */
 typedef struct tactel_alarm_options {
-  float at;          /* begins where the upper bound of S (S itself without one) reaches this, and ends 0.05 below */
+  float at;          /* begins where the upper bound of S (S itself without one) reaches this, and ends 0.05 below; -1:
+                        that of the network's file, else 0.8 */
   double touch;      /* MPa: below it a frame is no contact; negative: the smallest peak that the network learnt */
   float widest;      /* no alarm begins at a wider interval of S */
   int hold;          /* it begins at the last of so many frames in a row that ask for it */

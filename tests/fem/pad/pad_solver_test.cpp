@@ -80,14 +80,29 @@ TEST(PadClosedForms, DimitriadisOnAThinLayer) {
 struct Incompressible {
   double nu = 0.5, R = 1, d = 1e-4, a = std::sqrt(R * d), mu = 0.3;
   PadLayer layer{nu};
-  PadStep after(const std::array<double, 3>& drag, int n) const {
-    PadScene scene = scene_of(Paraboloid{{R, R}}, d, 1000 * a, nu, mu, {drag});
+  PadStep after(const std::array<double, 3>& drag, int n) const { return path({drag}, n, mu).back(); }
+  std::vector<PadStep> path(const std::vector<std::array<double, 3>>& drags, int n, double friction) const {
+    PadScene scene = scene_of(Paraboloid{{R, R}}, d, 1000 * a, nu, friction, drags);
     scene.load.indentation_steps = 1;
     return PadSolver(layer, {.cells = n, .tolerance = 1e-6, .pressing_increments = 1})
         .solve_on(over_disc(n, a), scene)
-        .steps.back();
+        .steps;
   }
 };
+
+// Where all slides, tractions stay as they are, and so does the rubber; while a cell sticks, it does not slide as a
+// whole.
+TEST(PadClosedForms, WhereAllSlidesItSlidesAsFarAsTheIndenterGoes) {
+  const Incompressible s;
+  const std::vector<PadStep> steps = s.path({{1, 0, 0}, {1.5, 0, 0}, {1.25, 0, 0}, {0, 0, 0}}, 12, s.mu);
+  EXPECT_EQ(steps[0].slid, 0);
+  EXPECT_NEAR(steps[2].slid - steps[1].slid, 0.5, 1e-6);
+  // Back by far more than the contact's 0.01: the way less what it sticks at the turn, twice the way to sliding.
+  EXPECT_NEAR(steps[4].slid - steps[3].slid, 1.25, 1e-6);
+  const double sliding = 3 * s.mu * steps[0].P * (2 - s.nu) / (16 * s.a) * 2 * (1 + s.nu);  // G = E / 2 (1 + nu), E = 1
+  EXPECT_NEAR(steps[3].slid - steps[2].slid, 0.25 - 2 * sliding, 0.1 * sliding);
+  for (const PadStep& step : s.path({{0.9 * sliding, 0, 0}, {-0.8 * sliding, 0, 0}}, 12, s.mu)) EXPECT_EQ(step.slid, 0);
+}
 
 TEST(PadClosedForms, CattaneoMindlin) {
   // Q / (mu P) = 1 - (1 - shift / sliding)^(3/2), sliding = 3 mu P (2 - nu) / (16 a G), one direction of slip.

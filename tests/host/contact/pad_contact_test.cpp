@@ -80,7 +80,7 @@ TEST(PadContact, NamedScenesInFp64) { expect_named_scenes<double>(2e-5, 2e-4); }
 
 /// Differences of the kernel from the twin on the same cells, largest of the steps of each scene.
 struct Difference {
-  std::vector<double> S, P, Q, M, stress;
+  std::vector<double> S, P, Q, M, stress, slid;
 };
 
 template <class Real>
@@ -98,7 +98,7 @@ Difference from_twin(int cells, const fem::PadSensor& sensor, std::size_t count,
   Difference d;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
-    double S = 0, P = 0, Q = 0, M = 0, stress = 0, most_stress = 0;
+    double S = 0, P = 0, Q = 0, M = 0, stress = 0, most_stress = 0, slid = 0;
     for (std::size_t k = 0; k < b.steps.size(); ++k) {
       const fem::PadStep &p = a.steps[k], &q = b.steps[k];
       EXPECT_TRUE(p.converged) << i << " " << k << ": " << p.residual.largest();
@@ -107,12 +107,14 @@ Difference from_twin(int cells, const fem::PadSensor& sensor, std::size_t count,
       P = std::max(P, std::abs(p.P / q.P - 1));
       Q = std::max(Q, (p.Q - q.Q).norm() / force);
       M = std::max(M, std::abs(p.M - q.M) / (force * size));
+      slid = std::max(slid, std::abs(p.slid - q.slid) / std::max(q.slid, 0.01 * q.indentation));
       stress = std::max(stress, (p.stress - q.stress).cwiseAbs().maxCoeff());
       most_stress = std::max(most_stress, q.stress.cwiseAbs().maxCoeff());
     }
     d.S.push_back(S), d.P.push_back(P), d.Q.push_back(Q), d.M.push_back(M), d.stress.push_back(stress / most_stress);
+    d.slid.push_back(slid);
   }
-  for (auto* v : {&d.S, &d.P, &d.Q, &d.M, &d.stress}) std::sort(v->begin(), v->end());
+  for (auto* v : {&d.S, &d.P, &d.Q, &d.M, &d.stress, &d.slid}) std::sort(v->begin(), v->end());
   return d;
 }
 
@@ -128,6 +130,7 @@ TEST_P(PadTwin, AgreesInFp32) {
   EXPECT_LE(d.Q.back(), 3e-3);
   EXPECT_LE(d.M.back(), 3e-3);
   EXPECT_LE(d.stress.back(), 2e-3);
+  EXPECT_LE(d.slid.back(), 1e-2);  // it adds up what the tolerance leaves of each increment
 }
 
 TEST(PadContact, TakesTheSubstepsOfItsTwin) {
@@ -146,6 +149,7 @@ TEST(PadContact, AgreesWithItsTwinInFp64) {
     EXPECT_LE(d.P.back(), 1e-9);
     EXPECT_LE(d.Q.back(), 1e-9);
     EXPECT_LE(d.M.back(), 1e-9);
+    EXPECT_LE(d.slid.back(), 1e-7);
     EXPECT_LE(d.stress.back(), 1e-3);  // four Gauss points a cell, and quadratics
   }
 }

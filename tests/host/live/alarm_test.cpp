@@ -283,6 +283,46 @@ TEST(Alarm, NoiseIsNoMotion) {
   EXPECT_LT(largest, 0.12f);  // sqrt(48 1.1) 1 % is 0.073, and its spread a tenth of that
 }
 
+/// Answers 1 / (1 + exp(-10 shear / P)) of the change of the first tactel's shear since rest; its file has an alarm at
+/// 0.75.
+nn::Model slid_network() {
+  nn::Model model = shear_network();
+  model.scaling.kind = nn::ScalingKind::rest, model.scaling.history = model.history.frames = 2;
+  model.history.rest = true, model.target = nn::Target::slid;
+  model.learnt = {.smallest_peak = 0.01f, .largest_peak = 1, .alarm_at = 0.75f};
+  return model;
+}
+
+// P at rest is 0.4 MPa: a change of shear by 0.04 ln 3 is an answer of 0.75, and it ends at 0.75 / 1.2 = 0.625, 0.0204
+// MPa. The shear of 0.1 MPa at rest is none. Before the rest is found there is no answer, and no alarm.
+TEST(Alarm, ANetworkByTheRestHasAThresholdOfItsOwn) {
+  const SlipEstimator network = estimator_of(slid_network());
+  EXPECT_TRUE(network.needs_rest());
+  EXPECT_EQ(network.alarm_at(), 0.75f);
+  EXPECT_EQ(network.inputs(), 8u);
+  Alarm alarm(network);
+  ASSERT_EQ(alarm.inputs(), 4u);
+  EXPECT_EQ(alarm.next(grip(0.005f, 0)).contact, false);
+  for (int i = 0; i < 10; ++i) {
+    const AlarmAnswer said = alarm.next(grip(0.3f, 0.1f, 0.1f));
+    EXPECT_EQ(said.rest, i == 9);
+    EXPECT_EQ(said.cannot_tell, i < 9);
+    EXPECT_EQ(std::isnan(said.answer.slip_index), i < 9);
+    EXPECT_FALSE(said.on);
+  }
+  const auto slides = [&](float shear) { return alarm.next(grip(0.3f, 0.1f, 0.1f + shear)); };
+  EXPECT_NEAR(slides(0.02f).answer.slip_index, 1 / (1 + std::exp(-0.5)), 1e-6);
+  EXPECT_FALSE(slides(0.043f).on);
+  EXPECT_TRUE(slides(0.045f).on);
+  EXPECT_TRUE(slides(0.021f).on);
+  EXPECT_FALSE(slides(0.02f).on);
+  EXPECT_TRUE(slides(0.045f).on);
+  alarm.rest();
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(slides(0.2f).on);
+  EXPECT_NEAR(slides(0.2f).answer.slip_index, 0.5, 1e-6);
+  EXPECT_THAT(thrown_message<InputError>([&] { Alarm(network, {.touch = 0}); }), HasSubstr("touch: 0"));
+}
+
 // A network gives S beside; the alarm acts on what it is told to.
 TEST(Alarm, RestBesideANetwork) {
   Alarm by_slip(estimator_of(shear_network()), {.at = 0.8f, .touch = 0.01, .rest = true}),

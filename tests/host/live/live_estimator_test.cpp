@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -31,16 +32,16 @@ bool same(const Answer& a, const Answer& b) {
          a.unlike == b.unlike;
 }
 
-/// Presses and drags that end now and then, with noise, frames at rest and frames with NaN; each sensor by itself.
+/// Presses and drags that hold still for 40 of 100 frames and end now and then, with noise, frames at rest and frames with NaN; each sensor by itself.
 class Frames {
  public:
   explicit Frames(std::span<const nn::Model* const> networks) : networks_(networks) {}
   std::vector<float> next() {
     std::vector<float> all;
     for (std::size_t s = 0; s < networks_.size(); ++s) {
-      const auto width =
-          static_cast<std::size_t>(networks_[s]->weights.topology.inputs() / networks_[s]->history.frames);
-      const auto time = static_cast<float>(number_ + 13 * s);
+      const auto width = static_cast<std::size_t>(networks_[s]->stresses() / networks_[s]->history.frames);
+      const std::size_t moving = number_ / 100 * 60 + std::min<std::size_t>(number_ % 100, 60);
+      const auto time = static_cast<float>(moving + 13 * s);
       const bool rest = (number_ + s) % 89 == 0;
       for (std::size_t i = 0; i < width; ++i) {
         const float x = 8.0f * static_cast<float>(i) / static_cast<float>(width) - 4 - std::sin(0.05f * time);
@@ -67,19 +68,23 @@ void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& m
   const auto host = host_estimator(of_sensors), kernel = device_estimator(device, of_sensors);
   std::vector<Answer> expected(sensors.size()), found(sensors.size());
   Frames frames(of_sensors);
-  std::size_t different = 0, answered = 0;
+  std::size_t different = 0, answered = 0, rested = 0;
   for (int k = 0; k < 300; ++k) {
     const std::vector<float> all = frames.next();
     if (k == 150) host->clear(), kernel->clear();
+    if (k == 200) host->rest(), kernel->rest();
     host->estimate(all, expected);
     kernel->estimate(all, found);
     for (std::size_t s = 0; s < sensors.size(); ++s) {
       different += !same(found[s], expected[s]);
       answered += expected[s].status == AnswerStatus::ok;
+      rested += expected[s].status == AnswerStatus::ok && models[sensors[s]].history.rest;
     }
   }
   EXPECT_EQ(different, 0u) << sensors.size() << " sensors on " << device.info().name;
-  EXPECT_GT(answered, 290 * sensors.size() * 9 / 10);
+  const auto by_rest = std::ranges::count_if(sensors, [&](std::size_t which) { return models[which].history.rest; });
+  EXPECT_GT(answered - rested, 290 * (sensors.size() - static_cast<std::size_t>(by_rest)) * 9 / 10);
+  EXPECT_GE(rested, 60 * static_cast<std::size_t>(by_rest));
 }
 
 /// A network with a bound on a pad of four tactels.
@@ -99,6 +104,16 @@ nn::Model with_history() {
   return model;
 }
 
+/// A network with a bound by the rest of four tactels, with two frames of the path.
+nn::Model by_rest() {
+  nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
+  model.scaling.kind = ScalingKind::rest;
+  model.history = {.frames = 3, .change = 0.001, .rest = true};
+  model.scaling.history = 3;
+  model.bound->tactels = 4;
+  return model;
+}
+
 TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
   const std::vector<nn::Model> models{with_history()};
   for (const std::size_t sensors : {1u, 2u, 17u, 33u})  // around the kernel's vectors and tiles
@@ -109,10 +124,10 @@ TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
 
 // Networks of one topology share a launch; one of another is between them.
 TEST(LiveEstimator, EachSensorHasItsOwnNetwork) {
-  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history(), of_pad()};
+  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history(), of_pad(), by_rest()};
   for (float& w : models[2].weights.values) w *= 0.7f;
   models[2].bound->unlike_above *= 0.5f;
-  expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 0, 2, 3});
+  expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 4, 0, 2, 3, 4});
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <onnx/checker.h>
 
+#include <random>
+
 #include "host/networks/forward.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"
@@ -26,18 +28,20 @@ struct Case {
   nn::InputScaling scaling;
   int stresses;
 };
-const nn::ScalingKind by_frame = nn::ScalingKind::frame;
+const nn::ScalingKind by_frame = nn::ScalingKind::frame, by_rest = nn::ScalingKind::rest;
 const Case line{"line", {by_frame, 1, 1, 2, Features::line, 21, false, 0.5f}, 42},
     square{"square pad", {by_frame, 1, 1, 3, Features::pad, 4, true, 0.5f}, 48},
     oblong{"oblong pad", {by_frame, 1, 1, 3, Features::pad, 3, false, 0.5f}, 36},
-    history{"pad with history", {by_frame, 1, 4, 3, Features::pad, 2, true, 0.5f}, 48};
+    history{"pad with history", {by_frame, 1, 4, 3, Features::pad, 2, true, 0.5f}, 48},
+    rest{"rest", {by_rest, 1, 2, 3}, 96}, rest_of_line{"line by rest", {by_rest, 1, 2, 2, Features::line, 21}, 84},
+    rest_and_history{"pad by rest with history", {by_rest, 1, 4, 3, Features::pad, 4, true}, 192};
 
 nn::Model model_of(const Case& c, const char* hidden = "16-9-1") {
   std::vector<int> widths = nn::Topology::parse(hidden).widths();
   widths.insert(widths.begin(), c.scaling.inputs(c.stresses));
   nn::Model model{nn::initial_weights(nn::Topology(widths), 3), c.scaling, 3, 0, "none", 1, {}};
   for (float& weight : model.weights.values) weight *= 3;  // S well away from 0.5
-  model.history.frames = c.scaling.history;
+  model.history.frames = c.scaling.history, model.history.rest = c.scaling.kind == by_rest;
   model.magnitude = c.scaling.features == Features::line;
   return model;
 }
@@ -45,7 +49,14 @@ nn::Model model_of(const Case& c, const char* hidden = "16-9-1") {
 /// Some frames; three have no answer of their own: NaN, no stress, stress that is no normal number.
 nn::RowMatrix<float> frames_of(const Case& c) {
   nn::RowMatrix<float> frames = bumps(203, c.stresses, 4).frames;
-  frames.leftCols(c.scaling.normals(c.stresses)).array() -= 0.1f;
+  const int normals = c.scaling.normals(c.stresses), width = c.stresses / c.scaling.history;
+  frames.leftCols(normals).array() -= 0.1f;
+  if (c.scaling.kind == by_rest) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> uniform(-0.5f, 0.5f);
+    for (float& stress : frames.reshaped()) stress += uniform(random);  // each frame has shear, whose image is no tie
+    frames.rightCols(width).leftCols(normals).array() -= 1;
+  }
   frames(5, 1) = NAN;
   frames.row(6).setZero();
   frames.row(7) *= 1e38f;
@@ -99,7 +110,7 @@ TEST_P(FeaturesOnDevice, FileMeansTheSameToAnotherRuntime) {
   for (int row = 0; row < 203; ++row) EXPECT_NEAR(s(row), own.slip_index(row), 1e-5) << row;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FeaturesOnDevice, ::testing::Values(line, square, oblong, history), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(All, FeaturesOnDevice, ::testing::Values(line, square, oblong, history, rest, rest_of_line, rest_and_history), [](const auto& info) {
   std::string name = info.param.name;
   std::ranges::replace(name, ' ', '_');
   return name;

@@ -77,6 +77,13 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
     const auto [scene, kind] = sweep.contact(k);
     const PadOutcome outcome = solve(scene, solving);
     const std::size_t pressed = pressing_targets(scene.load);
+    double slid = 0, before = 0;  // over the shear of the layer under mu times the mean pressure
+    const auto add_slide = [&](const fem::PadStep& step) {
+      const double G = scene.sensor.young / (2 * (1 + scene.sensor.poisson));
+      const double limit = scene.friction * step.P / step.area / G * scene.sensor.thickness;
+      slid += limit > 0 ? (step.slid - before) / limit : 0, before = step.slid;
+    };
+    for (std::size_t step = 0; step + 1 < pressed; ++step) add_slide(outcome.solution.steps[step]);
     for (std::size_t step = pressed - 1; step < outcome.solution.steps.size(); ++step, ++row) {
       SCOPED_TRACE(testing::Message() << "contact " << k << ", step " << step);
       const fem::PadStep& expected = outcome.solution.steps[step];
@@ -90,6 +97,8 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
       EXPECT_EQ(row_of(set.tangential_force, row, 2), (std::vector{f(expected.Q[0]), f(expected.Q[1])}));
       EXPECT_EQ(set.torque[row], f(expected.M));
       EXPECT_EQ(set.force_ratio[row], f(*expected.force_ratio));
+      add_slide(expected);
+      EXPECT_NEAR(set.slid[row], slid, 1e-6 * slid);
       EXPECT_EQ(set.stick_fraction[row], f(expected.stick_fraction));
       EXPECT_EQ(set.indentation[row], f(expected.indentation));
       EXPECT_EQ(row_of(set.tangential, row, 2), (std::vector{f(expected.x), f(expected.y)}));

@@ -138,8 +138,10 @@ class TACTEL_API LiveEstimator {
   /// networks: that of each sensor, one or more. Networks that are copies of one share its work.
   /// device: "gpu", "cpu", an index or a part of a name of devices(): one launch for all sensors whose networks have
   /// one topology and scaling, compiled on return. Empty: host code, with the same bits, which is quicker for a sensor
-  /// or two. Throws InputError without networks and for a device that is none, HardwareError without a device.
-  explicit LiveEstimator(const std::vector<Network>& networks, const std::string& device = {});
+  /// or two. touch: MPa, as of AlarmOptions, for the rest of a network with needs_rest(). Throws InputError without
+  /// networks and for a device that is none, HardwareError without a device.
+  explicit LiveEstimator(const std::vector<Network>& networks, const std::string& device = {},
+                         std::optional<double> touch = {});
   ~LiveEstimator();
   LiveEstimator(const LiveEstimator&) = delete;
   LiveEstimator& operator=(const LiveEstimator&) = delete;
@@ -151,6 +153,8 @@ class TACTEL_API LiveEstimator {
   /// Takes the next frame of every sensor: [inputs()] MPa, sensor by sensor, and writes answers [sensors()]. Allocates
   /// nothing in host code. Throws InputError for other sizes, HardwareError where the device fails.
   void estimate(std::span<const float> frames, std::span<Answer> answers);
+  /// Seeks the rest of every sensor anew from the next frame on.
+  void rest();
   /// Forgets all frames.
   void clear();
 

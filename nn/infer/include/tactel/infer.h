@@ -16,7 +16,8 @@ namespace tactel {
 /// Status of the answer to a frame. No answer with status `ok` is NaN.
 enum class AnswerStatus : std::uint32_t {
   ok = 0,
-  no_stress = 1,   ///< the frame has no normal stress, and the network scales by frame; the network received zeros
+  no_stress = 1,   ///< the frame has no normal stress, and the network scales by frame, or its rest has none; the
+                   ///< network received zeros
   not_finite = 2,  ///< the frame contains NaN or infinity
   overflow = 3,    ///< the frame is finite, but a sum inside the network is not
   wrong_size = 4,  ///< the frame has not SlipEstimator::inputs() numbers
@@ -55,8 +56,8 @@ class TACTEL_API SlipEstimator {
 
   /// Returns the numbers of an input: a normal and a shear stress for each tactel, in each of frames() frames.
   std::size_t inputs() const noexcept;
-  /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first. SlipHistory gathers
-  /// them.
+  /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first, and behind them the rest
+  /// where needs_rest(). SlipHistory gathers them.
   std::size_t frames() const noexcept;
   /// Returns the tactels: of each frame so many numbers, the first, are normal stresses.
   std::size_t tactels() const noexcept;
@@ -64,6 +65,10 @@ class TACTEL_API SlipEstimator {
   bool has_bound() const noexcept;
   /// Returns MPa: 1 % of the learnt frames had a smaller largest normal stress. 0 where the file does not know it.
   float smallest_peak() const noexcept;
+  /// Returns whether the network reads changes since the grip was at rest (`tactel train --scaling rest`).
+  bool needs_rest() const noexcept;
+  /// Returns the threshold of an alarm that the file of a network of `slid` has (`tactel train --alarm-at`). 0: none.
+  float alarm_at() const noexcept;
 
   /// Returns S of one frame: [inputs] MPa, the normal stresses of all tactels first, then the shear stresses. At the
   /// base sigma_y < 0 is compression; tau_xy > 0 where the indenter drags the rubber toward +x. Allocates nothing,
@@ -92,12 +97,14 @@ class TACTEL_API SlipEstimator {
 };
 
 /// The frames of one sensor, one after the other, for a network with history: it keeps the frames that the network's
-/// input takes, by change of load (docs/networks.md). A network of one frame answers as by itself. Each sensor needs
-/// its own object; an object is for one thread at a time.
+/// input takes, by change of load (docs/networks.md), and the rest of the grip as Alarm finds it. A network of one frame
+/// answers as by itself. Each sensor needs its own object; an object is for one thread at a time.
 class TACTEL_API SlipHistory {
  public:
   /// Allocates all memory that estimate() needs.
   explicit SlipHistory(const SlipEstimator& network);
+  /// touch: MPa, as of AlarmOptions, for the rest.
+  SlipHistory(const SlipEstimator& network, std::optional<double> touch);
   ~SlipHistory();
   SlipHistory(const SlipHistory&) = delete;
   SlipHistory& operator=(const SlipHistory&) = delete;
@@ -107,6 +114,8 @@ class TACTEL_API SlipHistory {
   /// Takes the sensor's next frame [inputs] MPa and returns S. Every frame of the sensor must pass, at any rate.
   /// Allocates nothing, takes no lock and throws nothing.
   Answer estimate(std::span<const float> frame) noexcept;
+  /// Seeks the rest anew from the next frame on.
+  void rest() noexcept;
   /// Forgets all frames: the next one begins a contact.
   void clear() noexcept;
 
@@ -117,7 +126,7 @@ class TACTEL_API SlipHistory {
 
 /// The number that an Alarm judges.
 enum class AlarmSignal : std::uint32_t {
-  slip = 0,   ///< the upper bound of S, or S
+  slip = 0,   ///< the upper bound of S, or S; of a network of `slid` its answer
   moved = 1,  ///< AlarmAnswer::moved
 };
 
@@ -125,8 +134,9 @@ enum class AlarmSignal : std::uint32_t {
 struct AlarmOptions {
   /// The alarm begins where the upper bound of S (S itself of a network without a bound) reaches this, 0 to 1, and ends
   /// below at - 0.05. Of AlarmSignal::moved: above 0 and below 0.5, such as 1.2 times the largest `moved` of a hold
-  /// that holds (`tactel tare --hold`); it ends below at / 1.2. Infinity: it never begins.
-  float at = 0.8f;
+  /// that holds (`tactel tare --hold`); it ends below at / 1.2, as that of a network of `slid` does. Infinity: it never
+  /// begins. -1: alarm_at() of the network; 0.8 where it has none.
+  float at = -1;
   /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. None:
   /// smallest_peak() of the network. 0: every frame is one, and noise at rest raises alarms.
   std::optional<double> touch{};
@@ -136,7 +146,7 @@ struct AlarmOptions {
   int hold = 1;
   /// A frame that is `unlike` asks for the alarm, as the network cannot tell. True: its S decides.
   bool ignore_unlike = false;
-  /// Answers have `rest` and `moved`; needs a threshold of touch above 0.
+  /// Answers have `rest` and `moved`; needs a threshold of touch above 0. A network with needs_rest() stands for it.
   bool rest = false;
   /// moved: needs no network, and stands for `rest`, too.
   AlarmSignal signal = AlarmSignal::slip;
@@ -166,7 +176,8 @@ struct AlarmAnswer {
 /// doubled, and by rest().
 class TACTEL_API Alarm {
  public:
-  /// Throws InputError for options out of range, `widest` without a bound, and a network that does not estimate S.
+  /// Throws InputError for options out of range, `widest` without a bound, and a network that estimates neither S nor
+  /// `slid`.
   explicit Alarm(const SlipEstimator& network, const AlarmOptions& options = {});
   /// Without a network, by AlarmSignal::moved: frames of 1 or more tactels with 1 to 3 axes each, normal stresses
   /// first. S and its bound are NaN. Throws InputError for options out of range.
@@ -186,7 +197,7 @@ class TACTEL_API Alarm {
   AlarmAnswer answer(std::span<const float> frame, const Answer& estimated) noexcept;
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
   /// Seeks rest anew from the next frame on: call it where the hand has changed its grip and holds still. Ends an alarm
-  /// of AlarmSignal::moved.
+  /// that needs the rest.
   void rest() noexcept;
   /// Ends the alarm and forgets all frames.
   void clear() noexcept;

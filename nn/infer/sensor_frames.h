@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "nn/infer/rest_reference.h"
+#include "nn/network.h"
+
+namespace tactel::infer {
+
+/// The frames of one sensor as a network's input has them: those of its path by change of load, then the rest of the
+/// grip where the network is by the rest. Only the constructor allocates.
+class SensorFrames {
+ public:
+  /// touch: MPa, where a normal stress of this size touches; none: the smallest peak that the network learnt.
+  SensorFrames(const nn::InputScaling& scaling, const nn::InputHistory& history, const nn::Learnt& learnt, int stresses,
+               std::optional<double> touch = {})
+      : path_(static_cast<std::size_t>(stresses / history.frames), history),
+        normals_(static_cast<std::size_t>(scaling.normals(stresses))),
+        touch_(std::max<double>(touch.value_or(learnt.smallest_peak), nn::InputScaling::smallest_stress)) {
+    if (history.rest) rest_.emplace(path_.width(), normals_, touch_);
+  }
+
+  std::size_t width() const noexcept { return path_.width(); }  ///< numbers of a frame
+  /// Takes the newest frame [width] MPa.
+  void push(const float* frame) noexcept {
+    path_.push(frame);
+    if (!rest_) return;
+    const std::span<const float> normals(frame, normals_);
+    rest_->next({frame, width()}, std::ranges::any_of(normals, [&](float s) { return std::abs(s) >= touch_; }));
+  }
+  /// Writes the input [frames][width] MPa; its rest is zeros until one is found.
+  void write(float* input) const noexcept {
+    path_.write(input);
+    if (rest_) rest_->write(input + path_.inputs());
+  }
+  /// Seeks the rest anew from the next frame on.
+  void rest() noexcept {
+    if (rest_) rest_->forget();
+  }
+  /// Forgets all frames: the next one begins a contact.
+  void clear() noexcept { path_.clear(), rest(); }
+
+ private:
+  nn::FrameHistory path_;
+  std::size_t normals_;
+  double touch_;  ///< MPa
+  std::optional<RestReference> rest_;
+};
+
+}  // namespace tactel::infer
