@@ -6,6 +6,7 @@
 #include "host/support/bounded_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
+#include "nn/infer/built_in.h"
 #include "nn/infer/network_file.h"
 
 namespace tactel::host {
@@ -17,6 +18,8 @@ void write_onnx(const fs::path& path, const nn::Model& model) {
 }
 
 nn::Model read_onnx(const fs::path& path) try {
+  if (const std::string_view bytes = infer::built_in_network(path.string()); !bytes.empty())
+    return infer::read_network(bytes).model;
   return infer::read_network(read_bounded_file(path, infer::most_network_bytes)).model;
 } catch (const UnreadableFile& error) {
   throw ConfigError(path.string(), "network", std::string("cannot be read (") + error.what() + ")",

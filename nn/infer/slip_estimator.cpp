@@ -19,6 +19,7 @@
 #include "fem/value_error.h"
 #include "nn/features.h"
 #include "nn/infer/bound.h"
+#include "nn/infer/built_in.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/loaded_network.h"
 #include "nn/infer/sensor_frames.h"
@@ -228,6 +229,8 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
 SlipEstimator SlipEstimator::load(const std::string& path) {
   if (const auto end = path.find('\0'); end != std::string::npos)
     throw InputError(path.substr(0, end), "goes on behind a NUL byte", "must be the name of a file");
+  if (const std::string_view bytes = infer::built_in_network(path); !bytes.empty())
+    return parse(std::as_bytes(std::span(bytes)), path);
   const std::string bytes = bytes_of(path);
   return parse(std::as_bytes(std::span(bytes)), path);
 }

@@ -511,7 +511,7 @@ const WrongCall wrong_calls[] = {
     {"UnknownActivation", "--schedule batch --activation tanh",
      "--activation = tanh: must be one of logistic, leaky-relu"},
     {"RatioOfALine", "--target force_ratio", "force_ratio = missing: must be a set of pads"},
-    {"UnknownTarget", "--target mu", "--target = mu: must be one of slip_index, force_ratio, stick_fraction"},
+    {"UnknownTarget", "--target mu", "--target = mu: must be one of slip_index, force_ratio, stick_fraction, slid"},
     {"BoundOfAnotherTarget", "--schedule batch --bound --target stick_fraction",
      "--target = stick_fraction: must be slip_index with --bound"},
     {"BatchZero", "--schedule batch --batch 0", "--batch = 0"},

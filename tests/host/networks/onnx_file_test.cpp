@@ -200,7 +200,7 @@ TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
     onnx::ModelProto crafted = file;
     metadata(crafted, "target") = "mu";
     put(sealed(crafted));
-    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio or stick_fraction"));
+    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio, stick_fraction or slid"));
   }
 }
 

@@ -259,7 +259,7 @@ TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
   std::vector<std::string> names;
   each_dataset(read, [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); });
   EXPECT_THAT(names, testing::ElementsAre("inputs", "slip_index", "normal_force", "tangential_force", "torque",
-                                          "force_ratio", "indentation", "tangential", "twist", "friction",
+                                          "force_ratio", "slid", "indentation", "tangential", "twist", "friction",
                                           "stick_fraction", "contact_nodes", "outside", "contact", "step", "indenter",
                                           "status", "residual", "poisson", "thickness", "young"));
   EXPECT_EQ(read.tangential, set.tangential);

@@ -44,8 +44,8 @@ struct Answer {
 /// fp32. An object never changes: threads may share it. Copies are cheap and share the network.
 class TACTEL_API SlipEstimator {
  public:
-  /// Loads a network file (ONNX) that tactel wrote. Throws InputError where the file cannot be read, is damaged, or
-  /// holds another graph.
+  /// Loads a network file (ONNX) that tactel wrote, or a network of the library by its name, "uskin-4x4". Throws
+  /// InputError where the file cannot be read, is damaged, or holds another graph.
   static SlipEstimator load(const std::string& path);
   /// The same from the bytes of a file; errors name `place`.
   static SlipEstimator parse(std::span<const std::byte> bytes, const std::string& place = "network");
