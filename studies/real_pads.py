@@ -14,6 +14,7 @@ DIR gets network/, frames and a figure NAME.svg of each trial. Debian: python3-n
 import dataclasses
 import json
 import pathlib
+import re
 import tempfile
 import tomllib
 
@@ -195,11 +196,13 @@ class Chain:
         step = json.loads(self.run("solve", scene, "--json", "-"))["steps"][-1]
         return spread(np.stack([step["tau_x"], step["tau_y"], -np.array(step["sigma_z"])], axis=-1))
 
-    def slid_networks(self):
-        """Networks of `slid` of four seeds, taught by the grips of examples/uskin_grips.toml."""
+    def slid_networks(self, contacts):
+        """Networks of `slid` of four seeds, taught by the grips of examples/uskin_grips.toml, or as many contacts as there are."""
         with tempfile.TemporaryDirectory(dir=self.output) as folder:
-            grips = pathlib.Path(folder) / "grips.h5"
-            self.run("generate", study.ROOT / "examples/uskin_grips.toml", "--output", grips, "--rung", "pad-8")
+            grips, sweep = pathlib.Path(folder) / "grips.h5", pathlib.Path(folder) / "grips.toml"
+            sweep.write_text(re.sub(r"contacts = (\d+)", lambda found: f"contacts = {min(int(found[1]), contacts)}",
+                                    (study.ROOT / "examples/uskin_grips.toml").read_text()))
+            self.run("generate", sweep, "--output", grips, "--rung", "pad-8")
             self.run("train", grips, "--output", self.output / "slid", *SLID, "--seeds", SEEDS, "--force")
         return sorted((self.output / "slid").glob("*.onnx"))
 
@@ -426,7 +429,7 @@ def main():
     of_pads, threshold = row_of_moved("moved, without a network", loads, loads[held])
     for pad in (0, 1):
         row(f"moved, pad {pad + 1} alone", trials, [each[:, pad] for each in of_pads], threshold)
-    slid = [("--network", network) for network in chain.slid_networks()]
+    slid = [("--network", network) for network in chain.slid_networks(options.contacts)]
     for seed, network in enumerate(slid, 1):
         of_pads, threshold = row_of_moved(f"slid, seed {seed}", loads, loads[held], *network)
         for pad in (0, 1):

@@ -134,6 +134,7 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       decoder_((check_networks(networks, profile, options.signal), profile.format())),
       has_bound_(!networks.empty() && networks.front().bound.has_value()),
       magnitude_(!networks.empty() && networks.front().magnitude),
+      of_slid_(!networks.empty() && networks.front().target == nn::Target::slid),
       stresses_(profile.map.places()) {
   std::vector<SlipEstimator> estimators;
   for (const nn::Model& network : networks) estimators.push_back(infer::estimator_of(network));
@@ -219,7 +220,7 @@ void LiveMonitor::count(MonitorLine& line, bool rest) {
   if (!options_.true_slip_index) return;
   const float truth = *(line.true_slip_index = options_.true_slip_index(line.frame.number));
   const float error = std::abs(line.answer.slip_index - (magnitude_ ? std::abs(truth) : truth));
-  if (!std::isnan(error)) summary_.error_sum += error, ++summary_.judged;
+  if (!std::isnan(error) && !of_slid_) summary_.error_sum += error, ++summary_.judged;
 }
 
 void LiveMonitor::refresh() {

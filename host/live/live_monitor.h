@@ -27,7 +27,7 @@ struct MonitorOptions {
   int hold = 1;
   bool ignore_unlike = false, rest = false;
   AlarmSignal signal = AlarmSignal::slip;
-  std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S
+  std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S or slid
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
 };
@@ -123,7 +123,7 @@ class LiveMonitor {
   hw::ChannelMap map_;
   std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
-  bool has_bound_, magnitude_;
+  bool has_bound_, magnitude_, of_slid_;
   std::deque<Sensor> sensors_;
   std::unique_ptr<LiveEstimator> estimator_;            ///< null without networks
   std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame

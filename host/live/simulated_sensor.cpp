@@ -54,7 +54,7 @@ void require_at_least(const std::string& key, double value, double least, const 
 void SimulationOptions::validate() const {
   if (!(rate > 0 && rate <= 1e6))
     throw ValueError("rate", fmt::format("{}", rate), "a number of Hz, above 0, at most 1e6");
-  const std::pair<const char*, double> times[] = {{"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
+  const std::pair<const char*, double> times[] = {{"rest", rest}, {"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
   for (const auto& [key, value] : times) require_at_least(key, value, 0, "a number of s, not below 0");
   for (const auto& [key, value] : {std::pair<const char*, double>{"gain_spread", gain_spread}, {"noise", noise}})
     if (!(value >= 0 && value <= 1)) throw ValueError(key, fmt::format("{}", value), "a number from 0 to 1");
@@ -62,7 +62,7 @@ void SimulationOptions::validate() const {
   require_at_least("bits", bits, 2, "a whole number from 2 to 16");
   if (bits > 16) throw ValueError("bits", std::to_string(bits), "a whole number from 2 to 16");
   require_at_least("repeat", repeat, 1, "a whole number, at least 1");
-  if (const double frames = (press + hold + drag + slip) * repeat * rate; !(frames <= most_frames))
+  if (const double frames = (rest + press + hold + drag + slip) * repeat * rate; !(frames <= most_frames))
     throw ValueError(
         "repeat", std::to_string(repeat),
         fmt::format("so small that at most {:.0e} frames are played, and not {:.0e}", most_frames, frames));
@@ -95,22 +95,23 @@ ScenePlay::ScenePlay(const fem::PadSolution& solution, const fem::PadScene& scen
   set_times(static_cast<int>(fem::pressing_targets(scene.load)), options);
 }
 
-/// Knots: rest, each load step, and after the last step of pressing and of all it is held.
+/// Knots: rest, its end where it lasts, each load step, and after the last step of pressing and of all it is held.
 void ScenePlay::set_times(int pressing_steps, const SimulationOptions& options) {
-  const Eigen::MatrixXd steps = std::exchange(stress_, Eigen::MatrixXd::Zero(stress_.rows(), stress_.cols() + 3));
+  const Eigen::MatrixXd steps = std::exchange(stress_, Eigen::MatrixXd::Zero(stress_.rows(), stress_.cols() + 4));
   const Eigen::Matrix2Xd loads = std::exchange(load_, Eigen::Matrix2Xd::Zero(2, stress_.cols()));
   time_ = {0.0};
+  if (options.rest > 0) time_.push_back(options.rest);
+  const double dragged = options.rest + options.press + options.hold;
   const auto add = [&](double time, Eigen::Index step) {
     stress_.col(static_cast<Eigen::Index>(time_.size())) = steps.col(step);
     load_.col(static_cast<Eigen::Index>(time_.size())) = loads.col(step);
     time_.push_back(time);
   };
-  for (int i = 0; i < pressing_steps; ++i) add(options.press * (i + 1) / pressing_steps, i);
-  add(options.press + options.hold, pressing_steps - 1);
+  for (int i = 0; i < pressing_steps; ++i) add(options.rest + options.press * (i + 1) / pressing_steps, i);
+  add(dragged, pressing_steps - 1);
   const Eigen::Index tangential = steps.cols() - pressing_steps;
   for (Eigen::Index i = 0; i < tangential; ++i)
-    add(options.press + options.hold + options.drag * static_cast<double>(i + 1) / static_cast<double>(tangential),
-        pressing_steps + i);
+    add(dragged + options.drag * static_cast<double>(i + 1) / static_cast<double>(tangential), pressing_steps + i);
   add(time_.back() + options.slip, steps.cols() - 1);
 }
 
@@ -219,6 +220,7 @@ std::unique_ptr<SimulatedSensor> open_simulation(const std::string& scene_and_op
   SourceOptions given(scene_and_options);
   SimulationOptions options;
   for (const auto& [key, value] : {std::pair<const char*, double*>{"rate", &options.rate},
+                                   {"rest", &options.rest},
                                    {"press", &options.press},
                                    {"hold", &options.hold},
                                    {"drag", &options.drag},

@@ -18,6 +18,7 @@ namespace tactel::host {
 /// Timing of a scene, and its measuring chain, that of the paper's sensor (section III).
 struct SimulationOptions {
   double rate = 100;          ///< Hz
+  double rest = 0;            ///< s without contact at the beginning of each play
   double press = 0.5;         ///< s for the indentation steps
   double hold = 0.2;          ///< s between press and drag
   double drag = 2;            ///< s for the tangential steps

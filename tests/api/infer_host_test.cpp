@@ -7,8 +7,10 @@
 #include <tactel.h>
 #include <tactel/infer.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -68,6 +70,24 @@ void expect_same_bits(const std::vector<Answer>& answers, const std::vector<Answ
 }
 
 }  // namespace
+
+// A grip of 0.1 MPa that holds, and one whose shear has turned round: an object that was dragged along.
+TEST(InferHost, HasANetworkOfUskinPads) {
+  const SlipEstimator network = SlipEstimator::load("uskin-4x4");
+  EXPECT_EQ(network.inputs(), 96u);
+  EXPECT_EQ(network.tactels(), 16u);
+  EXPECT_EQ(network.metadata("target"), "slid");
+  Alarm alarm(network, {.touch = 0.01});
+  std::vector<float> frame(48, -0.1f);
+  std::fill(frame.begin() + 16, frame.end(), 0.03f);
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(alarm.next(frame).on);
+  EXPECT_LT(alarm.next(frame).answer.slip_index, network.alarm_at());
+  std::fill(frame.begin() + 16, frame.begin() + 32, -0.03f);
+  EXPECT_TRUE(alarm.next(frame).on);
+  const std::unique_ptr<tactel_estimator, void (*)(tactel_estimator*)> in_c(tactel_load("uskin-4x4"), tactel_free);
+  ASSERT_NE(in_c, nullptr) << tactel_error();
+  EXPECT_EQ(tactel_inputs(in_c.get()), 96u);
+}
 
 TEST(InferHost, GivesItsBitsInAnyRoundingMode) {
   for (const Case& one : cases())

@@ -306,7 +306,7 @@ int run_monitor(MonitorRequest request) {
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
   options.ignore_unlike = request.unlike == "ignore";
-  if (target == nn::Target::slip_index) options.true_slip_index = opened.true_slip_index;
+  if (target == nn::Target::slip_index || target == nn::Target::slid) options.true_slip_index = opened.true_slip_index;
   if ((request.alarm || options.rest) && !touch_known && opened.profile.map.calibration.has_zero)
     throw ConfigError("command line", request.alarm ? "--alarm" : "--rest",
                       request.alarm ? fmt::format("{}", *request.alarm) : "",
