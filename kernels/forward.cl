@@ -6,8 +6,9 @@
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
    quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), BOUND (1: the bound instead of the quantiles), and
    NORMALS where they are not INPUTS / 2: the normal stresses of the first frame; with features (0: none) or RESTED (1:
-   the last frame is the rest, to which the others become differences) STRESSES, the numbers of an input in MPa, and
-   SHOWN, its frames without the rest; with features what shared/features.h names. */
+   the last frame is the rest, to which the others become differences) or TOLD (2: mu and its spread follow the frames)
+   STRESSES, the numbers of an input in MPa, and SHOWN, its frames without the rest; with features what
+   shared/features.h names. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0 BOUND=1
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
@@ -25,6 +26,10 @@
 #ifndef RESTED
 #define RESTED 0
 #endif
+#ifndef TOLD
+#define TOLD 0
+#endif
+#define NUMBERS (STRESSES + TOLD)
 #define FRAME_NUMBERS (STRESSES / (SHOWN + RESTED))
 #if FEATURES
 #include "shared/features.h"
@@ -66,30 +71,30 @@ INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0),
 INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal factor, int v,
                         vreal (*x)[FRAME_VECTORS]) {
   vreal noted[4] = {0, 0, 0, 0};
-#if STRESSES >= LANES
+#if NUMBERS >= LANES
   first = min(first, rows - 1);
-  global const float *from = frames + (size_t)first * STRESSES;
+  global const float *from = frames + (size_t)first * NUMBERS;
   const uint last = rows - 1 - first;
   uint place[LANES];
-  EACH(lane, LANES) { place[lane] = min((uint)lane, last) * STRESSES; }
-  ROLLED for (int begin = 0; begin < STRESSES; begin += LANES) {
-    const int column = min(begin, STRESSES - LANES); /* the last block overlaps the one before */
+  EACH(lane, LANES) { place[lane] = min((uint)lane, last) * NUMBERS; }
+  ROLLED for (int begin = 0; begin < NUMBERS; begin += LANES) {
+    const int column = min(begin, NUMBERS - LANES); /* the last block overlaps the one before */
     vreal block[LANES];
     EACH(lane, LANES) { block[lane] = LOAD_FLOATS(from + place[lane] + column); }
-    EACH(lane, LANES) { PREFETCH(from + place[lane] + column + TILE * STRESSES); }
+    EACH(lane, LANES) { PREFETCH(from + place[lane] + column + TILE * NUMBERS); }
     transpose(block);
     EACH(k, LANES) {
       noted[k % 4] = note_not_finite(noted[k % 4], block[k]);
-      x[column + k][v] = block[k] * factor;
+      x[column + k][v] = TOLD && column + k >= STRESSES ? block[k] : block[k] * factor;
     }
   }
 #else
-  for (int k = 0; k < STRESSES; ++k) {
+  for (int k = 0; k < NUMBERS; ++k) {
     vreal input;
     for (uint lane = 0; lane < LANES; ++lane)
-      ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * STRESSES + k];
+      ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * NUMBERS + k];
     noted[k % 4] = note_not_finite(noted[k % 4], input);
-    x[k][v] = input * factor;
+    x[k][v] = TOLD && k >= STRESSES ? input : input * factor;
   }
 #endif
   const vreal sum = (noted[0] + noted[1]) + (noted[2] + noted[3]);
@@ -132,6 +137,9 @@ INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Sca
       load_frames(frames, first, rows, ALL_LANES(scaling.by_frame ? (real)1 : scaling.factor), v, x);
   vint no_stress = 0;
   vreal peak = 0;
+#if TOLD
+  const vreal mu = x[STRESSES][v], spread = x[STRESSES + 1][v];
+#endif
 #if RESTED
   no_stress = scale_by_rest(v, x);
 #else
@@ -139,6 +147,11 @@ INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Sca
 #endif
 #if FEATURES
   add_features(v, peak, scaling.usual, x);
+#endif
+#if TOLD /* nn::tell_friction */
+  const vint told = mu > ALL_LANES(0);
+  x[INPUTS - 2][v] = PICK(told, mu / (mu + ALL_LANES(USUAL_FRICTION)), ALL_LANES(0.5f));
+  x[INPUTS - 1][v] = PICK(told, spread / (spread + ALL_LANES(USUAL_SPREAD)), ALL_LANES(1));
 #endif
   const vint zero = not_finite | no_stress;
   if (ANY(zero)) {
@@ -253,7 +266,7 @@ INLINE void hidden_layers(const int vectors, global const real *w, const vreal (
 
 /* Group g: tile g % tiles of the frames, for network g / tiles.
    weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
-   frames:  [rows][STRESSES] MPa, normal stresses first
+   frames:  [rows][NUMBERS] MPa, normal stresses first, and what is told
    bounds:  [networks][bound_numbers], see BOUND_CENTRE; unused without BOUND
    slip_index: [networks][ANSWERS][rows];  status: [networks][rows] FRAME_OK ..., plus FRAME_UNLIKE */
 kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
@@ -266,7 +279,7 @@ kernel void forward(uint first_group, global const real *weights, global const f
   const Scaling scaling = {by_frame, factor, usual};
   slip_index += network * ANSWERS * rows;
   status += network * rows;
-  vreal x[INPUTS > STRESSES ? INPUTS : STRESSES][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];
+  vreal x[INPUTS > NUMBERS ? INPUTS : NUMBERS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];
   vint found[FRAME_VECTORS];
   const int vectors = LANES > 1 && end - first <= LANES ? 1 : FRAME_VECTORS;
   ROLLED for (int v = 0; v < vectors; ++v) found[v] = scaled_frames(frames, first + v * LANES, rows, scaling, v, x);

@@ -112,8 +112,8 @@ void put_sums(const InputScaling& scaling, const Grid& grid, const Real* x, Real
 }  // namespace
 
 template <class Real>
-void add_features(const InputScaling& scaling, int stresses, Real peak, Real* x) noexcept {
-  const int n = scaling.normals(stresses);
+void add_features(const InputScaling& scaling, int numbers, Real peak, Real* x) noexcept {
+  const int n = scaling.normals(numbers);
   const Grid grid{scaling.columns, n / scaling.columns};
   make_canonical(scaling, grid, x);
   Real* out = x + scaling.shown() * scaling.axes * n;

@@ -6,7 +6,7 @@ namespace tactel::nn {
 
 /// The fixed layer of networks with features; kernels/shared/features.h is its twin, operation by operation.
 ///
-/// x: [scaling.inputs(stresses)], which begins with scaled frames [shown], the newest first: of each the normal stresses
+/// x: [scaling.inputs(numbers)], which begins with scaled frames [shown], the newest first: of each the normal stresses
 /// of its tactels, x fastest, then those along x, then of a pad those along y. `peak`: the newest frame's largest
 /// |normal stress|, MPa. On return x holds
 ///
@@ -25,9 +25,18 @@ namespace tactel::nn {
 /// The last one alone depends on E and on a common factor of all stresses. Of `rest` the frames are differences to it:
 /// P and Q above are their changes.
 template <class Real>
-void add_features(const InputScaling& scaling, int stresses, Real peak, Real* x) noexcept;
+void add_features(const InputScaling& scaling, int numbers, Real peak, Real* x) noexcept;
 
-inline constexpr float least_divisor = 0.2f;
+inline constexpr float least_divisor = 0.2f, usual_friction = 0.5f, usual_spread = 0.1f;
+
+/// Puts what is told of friction, mu and its relative deviation, into two inputs: mu / (mu + usual_friction) and
+/// spread / (spread + usual_spread), the logistic functions of their logarithms; 1/2 and 1 where mu is not above 0: it is
+/// not told.
+template <class Real>
+void tell_friction(Real mu, Real spread, Real* x) noexcept {
+  x[0] = mu > 0 ? mu / (mu + Real(usual_friction)) : Real(0.5f);
+  x[1] = mu > 0 ? spread / (spread + Real(usual_spread)) : Real(1);
+}
 
 extern template void add_features(const InputScaling&, int, float, float*) noexcept;
 extern template void add_features(const InputScaling&, int, double, double*) noexcept;

@@ -14,6 +14,7 @@ struct InputHistory {
   int stride = 1;       ///< kept frames from one of them to the next
   double change = 0.1;  ///< a frame is kept that differs by more than this, over the largest stress of the contact
   bool rest = false;    ///< the last of `frames` is the grip at rest (nn/infer/rest_reference.h)
+  bool friction = false;  ///< behind the frames an input has mu as told, 0: it is not, and its relative deviation
 
   /// Returns the frames of the path, without the rest.
   int path() const { return frames - rest; }
@@ -27,6 +28,11 @@ struct InputHistory {
     return path() >= 1 && frames <= most_frames && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1;
   }
 };
+
+/// Returns the numbers of an input whose frames have `width` stresses.
+inline int numbers_of(const InputHistory& history, int width) {
+  return history.frames * width + (history.friction ? 2 : 0);
+}
 
 /// The frames of a contact that an input takes: by change of load, not by the clock. Live frames and the rows of a set
 /// pass the same rule:

@@ -43,7 +43,9 @@ std::array<double, 2> normal_pair(std::uint32_t a, std::uint32_t b) {
 
 }  // namespace
 
-float FrameSet::largest_stress() const { return frames.size() == 0 ? 0.0f : frames.cwiseAbs().maxCoeff(); }
+float FrameSet::largest_stress() const {
+  return frames.size() == 0 ? 0.0f : frames.leftCols(stresses()).cwiseAbs().maxCoeff();
+}
 
 void FrameSet::validate() const {
   if (rows() < 1) throw ValueError("inputs", "no rows", "at least one row");
@@ -63,7 +65,7 @@ void FrameSet::validate() const {
 
 std::vector<float> peaks(const FrameSet& set) {
   std::vector<float> all(static_cast<std::size_t>(set.rows()));
-  const Eigen::Index normals = set.frames.cols() / (set.axes * set.history);
+  const Eigen::Index normals = set.stresses() / (set.axes * set.history);
   for (Eigen::Index row = 0; row < set.rows(); ++row)
     all[static_cast<std::size_t>(row)] = set.frames.row(row).head(normals).cwiseAbs().maxCoeff();
   return all;
@@ -89,6 +91,7 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set, Features feature
     const std::vector<float> touching = touching_peaks(set);
     if (!touching.empty()) scaling.usual_stress = touching[touching.size() / 2];
   }
+  scaling.friction = set.told > 0;
   scaling.validate();
   return scaling;
 }
@@ -131,18 +134,31 @@ void check_history(const FrameSet& set, const InputHistory& history) {
                      "1 for a set without the rows of its pressing; [sweep] press_rows = true gives them");
   if (history.rest && !(ordered && set.slip.size() == rows))
     throw ValueError("scaling", "rest", "set or frame for rows without contact, step or S");
+  if (history.friction && !(ordered && set.friction.size() == rows))
+    throw ValueError("friction", "given", "left out for rows without contact, step or friction");
+}
+
+/// What is told to a row of its mu: a number and its spread.
+std::array<float, 2> told_friction(const FrameSet& set, std::size_t row, std::optional<double> spread) {
+  const PhiloxCounter words = noise_words(set.contact[row], set.step[row]);
+  const float mu = set.friction[row];
+  const bool drawn = !spread, silent = drawn ? words[1] % 4 == 0 : std::isinf(*spread);
+  if (silent || !std::isfinite(mu) || !(mu > 0)) return {0, 0};
+  if (drawn) spread = least_told * std::pow(most_told / least_told, (words[1] >> 2) * 0x1p-30);
+  const double normal = normal_pair(words[2], words[3])[0];
+  return {static_cast<float>(mu * std::exp(*spread * normal)), static_cast<float>(*spread)};
 }
 
 }  // namespace
 
-FrameSet with_history(const FrameSet& set, const InputHistory& history) {
-  if (history.frames == 1) return set;
+FrameSet with_history(const FrameSet& set, const InputHistory& history, std::optional<double> spread) {
+  if (history.frames == 1 && !history.friction) return set;
   check_history(set, history);
   const auto rows = static_cast<std::size_t>(set.rows());
   const Eigen::Index width = set.frames.cols();
   FrameSet formed = set;
-  formed.history = history.frames;
-  formed.frames.resize(set.rows(), width * history.frames);
+  formed.history = history.frames, formed.told = history.friction ? 2 : 0;
+  formed.frames.resize(set.rows(), width * history.frames + formed.told);
   std::vector<float> P(rows);
   for (std::size_t row = 0; row < rows && history.rest; ++row)
     P[row] = -set.frames.row(static_cast<Eigen::Index>(row)).head(width / set.axes).sum();
@@ -154,9 +170,13 @@ FrameSet with_history(const FrameSet& set, const InputHistory& history) {
     path.push(set.frames.row(static_cast<Eigen::Index>(row)).data());
     auto input = formed.frames.row(static_cast<Eigen::Index>(row));
     path.write(input.data());
+    if (history.friction) {
+      const auto [mu, deviation] = told_friction(set, row, spread);
+      input.tail(2) << mu, deviation;
+    }
     if (!history.rest) continue;
     const std::size_t rest = rest_of(set, P, first, row);
-    input.tail(width) = set.frames.row(static_cast<Eigen::Index>(rest));
+    input.segment(width * history.path(), width) = set.frames.row(static_cast<Eigen::Index>(rest));
     if (!set.slid.empty()) formed.slip_index(static_cast<Eigen::Index>(row)) = slid_target(set.slid[row] - set.slid[rest]);
   }
   return formed;
@@ -186,7 +206,9 @@ FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
   FrameSet noisy = set;
   const double deviation = fraction * set.largest_stress();
   if (deviation == 0) return noisy;
-  add_noise({noisy.frames.data(), static_cast<std::size_t>(noisy.frames.size())}, deviation, seed, 0);
+  const auto stresses = static_cast<std::size_t>(noisy.stresses());
+  for (Eigen::Index row = 0; row < noisy.rows(); ++row)
+    add_noise({noisy.frames.row(row).data(), stresses}, deviation, seed, static_cast<std::uint64_t>(row) * stresses);
   return noisy;
 }
 

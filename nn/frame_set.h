@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "nn/frame_history.h"
@@ -23,6 +24,7 @@ struct FrameSet {
   std::vector<float> slid{};                ///< [rows] or empty: distance slid since first touch over the elastic limit
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
+  int told = 0;                             ///< numbers behind these frames that are no stresses (with_history)
   int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
   int columns = 0;                          ///< tactels along x; 0: not known
   bool square = false;                      ///< the tactels of a pad lie along x as along y
@@ -30,6 +32,7 @@ struct FrameSet {
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 
   Eigen::Index rows() const { return frames.rows(); }
+  Eigen::Index stresses() const { return frames.cols() - told; }  ///< of a row
   float largest_stress() const;  ///< MPa, over all rows; 0 for an empty set
   /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for values that cannot train or judge a
   /// network.
@@ -66,8 +69,14 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
 /// the first of noise_words(contact, step) one of those with |S| < most_slip_at_rest and half to twice its P; its own
 /// frame where there is none. Where the set has `slid`, `slip_index` becomes Target::slid since that row. Throws
 /// ValueError, key "scaling", for a set without contact, step or S.
-FrameSet with_history(const FrameSet& set, const InputHistory& history);
+///
+/// With friction, each row ends with mu and its relative deviation as told: mu exp(spread n), n a normal number. `spread`:
+/// that of all rows, infinity where nothing is told; none: a row is told nothing in one of four cases, else the
+/// logarithm of its spread lies evenly between those of least_told and most_told, all by noise_words(contact, step).
+/// Throws ValueError, key "friction", for a set without contact, step or friction.
+FrameSet with_history(const FrameSet& set, const InputHistory& history, std::optional<double> spread = {});
 inline constexpr float most_slip_at_rest = 0.9f;
+inline constexpr double least_told = 0.02, most_told = 1;
 
 /// Returns Target::slid of a distance over the elastic limit.
 inline float slid_target(float distance) { return distance / (1 + distance); }

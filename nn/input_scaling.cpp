@@ -28,48 +28,58 @@ namespace {
 
 /// scale_frame by the rest, of finite stresses.
 template <class Scalar>
-FrameStatus scale_differences(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled) {
-  const int width = stresses / scaling.history, shown = width * scaling.shown();
+FrameStatus scale_differences(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled) {
+  const int width = scaling.width(numbers), shown = width * scaling.shown();
   const float* const rest = frame + shown;
   const auto small = [](float x) { return Scalar(x) * Scalar(InputScaling::rest_scale); };
   Scalar P(0);
-  for (int k = 0; k < scaling.normals(stresses); ++k) P = P - small(rest[k]);
+  for (int k = 0; k < scaling.normals(numbers); ++k) P = P - small(rest[k]);
   if (!(P >= small(InputScaling::smallest_stress))) return FrameStatus::no_stress;
   const Scalar factor = Scalar(1) / P;
   for (int k = 0; k < shown; ++k) scaled[k] = (small(frame[k]) - small(rest[k % width])) * factor;
-  if (scaling.features != Features::frame) add_features(scaling, stresses, Scalar(0), scaled);
+  if (scaling.features != Features::frame) add_features(scaling, numbers, Scalar(0), scaled);
+  return FrameStatus::ok;
+}
+
+/// scale_frame by the set or the frame, of finite stresses.
+template <class Scalar>
+FrameStatus scale_stresses(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled) {
+  float divisor = scaling.largest_stress;
+  Scalar scale(1);
+  if (scaling.kind == ScalingKind::frame) {
+    divisor = 0.0f;
+    for (int k = 0; k < scaling.normals(numbers); ++k) divisor = std::max(divisor, std::abs(frame[k]));
+    if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
+    if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
+  }
+  const Scalar factor = Scalar(1) / (Scalar(divisor) * scale);
+  const int count = scaling.width(numbers) * scaling.history;
+  std::transform(frame, frame + count, scaled, [=](float x) { return Scalar(x) * scale * factor; });
+  if (scaling.features != Features::frame) add_features(scaling, numbers, Scalar(divisor), scaled);
   return FrameStatus::ok;
 }
 
 }  // namespace
 
 template <class Scalar>
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled) {
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled) {
   const auto not_finite = [](float x) { return !std::isfinite(x); };
-  std::fill(scaled, scaled + scaling.inputs(stresses), Scalar(0));
-  if (std::any_of(frame, frame + stresses, not_finite)) return FrameStatus::not_finite;
-  if (scaling.kind == ScalingKind::rest) return scale_differences(scaling, frame, stresses, scaled);
-  float divisor = scaling.largest_stress;
-  Scalar scale(1);
-  if (scaling.kind == ScalingKind::frame) {
-    divisor = 0.0f;
-    for (int k = 0; k < scaling.normals(stresses); ++k) divisor = std::max(divisor, std::abs(frame[k]));
-    if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
-    if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
-  }
-  const Scalar factor = Scalar(1) / (Scalar(divisor) * scale);
-  std::transform(frame, frame + stresses, scaled, [=](float x) { return Scalar(x) * scale * factor; });
-  if (scaling.features != Features::frame) add_features(scaling, stresses, Scalar(divisor), scaled);
-  return FrameStatus::ok;
+  std::fill(scaled, scaled + scaling.inputs(numbers), Scalar(0));
+  if (std::any_of(frame, frame + numbers, not_finite)) return FrameStatus::not_finite;
+  const FrameStatus status = scaling.kind == ScalingKind::rest ? scale_differences(scaling, frame, numbers, scaled)
+                                                               : scale_stresses(scaling, frame, numbers, scaled);
+  if (scaling.friction && status == FrameStatus::ok)
+    tell_friction(Scalar(frame[numbers - 2]), Scalar(frame[numbers - 1]), scaled + scaling.inputs(numbers) - 2);
+  return status;
 }
 
 template <class Scalar>
 void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, Scalar* scaled, Eigen::Index stride) {
-  const auto stresses = static_cast<int>(frames.cols());
+  const auto numbers = static_cast<int>(frames.cols());
   for (Eigen::Index row = 0; row < frames.rows(); ++row, scaled += stride) {
-    const FrameStatus status = scale_frame(scaling, frames.row(row).data(), stresses, scaled);
+    const FrameStatus status = scale_frame(scaling, frames.row(row).data(), numbers, scaled);
     const bool finite =
-        (Eigen::Map<const Vector<Scalar>>(scaled, scaling.inputs(stresses)).array() * Scalar(0)).sum() == Scalar(0);
+        (Eigen::Map<const Vector<Scalar>>(scaled, scaling.inputs(numbers)).array() * Scalar(0)).sum() == Scalar(0);
     if (status == FrameStatus::not_finite || !finite)
       throw ValueError("inputs[" + std::to_string(row) + "]", "NaN or infinity", "finite, also after scaling");
   }

@@ -5,13 +5,13 @@
 
 namespace tactel::nn {
 
-/// Scales one input [stresses] MPa, of each frame the normal stresses first, as the kernels do: times the reciprocal of
-/// the divisor, both in Scalar; then its features. A frame that is not finite, or carries no stress, becomes zeros.
-/// scaled: [scaling.inputs(stresses)].
+/// Scales one input [numbers], stresses in MPa, of each frame the normal stresses first, and what is told, as the kernels
+/// do: times the reciprocal of the divisor, both in Scalar; then its features. A frame that is not finite, or carries no
+/// stress, becomes zeros. scaled: [scaling.inputs(numbers)].
 template <class Scalar>
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled);
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled);
 
-/// The same for every row of [rows, stresses]. Throws ValueError, key "inputs[row]", at the first row that is not
+/// The same for every row of [rows, numbers]. Throws ValueError, key "inputs[row]", at the first row that is not
 /// finite.
 template <class Scalar>
 RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);

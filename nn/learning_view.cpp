@@ -14,7 +14,7 @@ constexpr float least_deviation = 0.01f;   ///< of inputs that hardly change, su
 
 template <class Use>
 void LearningView::each_difference(const Use& use) const {
-  const int width = stresses_ / scaling_.history, sums = scaling_.shown() * width;
+  const int width = scaling_.width(numbers_), sums = scaling_.shown() * width;
   for (int frame = 1; frame < scaling_.shown(); ++frame) {
     for (int k = 0; k < width; ++k) use(frame * width + k, k);
     for (int k = 0; k < scaling_.sums(); ++k) use(sums + frame * scaling_.sums() + k, sums + k);
@@ -22,8 +22,8 @@ void LearningView::each_difference(const Use& use) const {
 }
 
 LearningView::LearningView(const InputScaling& scaling, const RowMatrix<float>& frames)
-    : scaling_(scaling), stresses_(static_cast<int>(frames.cols())) {
-  if (scaling.features == Features::frame && scaling.kind != ScalingKind::rest) return;
+    : scaling_(scaling), numbers_(static_cast<int>(frames.cols())) {
+  if (scaling.features == Features::frame && scaling.kind != ScalingKind::rest && !scaling.friction) return;
   RowMatrix<float> inputs = scale_frames<float>(scaling, frames.topRows(std::min(frames.rows(), most_rows)));
   for (Eigen::Index row = 0; row < inputs.rows(); ++row)
     each_difference([x = inputs.row(row).data()](int place, int newest) { x[place] -= x[newest]; });

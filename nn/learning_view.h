@@ -6,13 +6,13 @@
 
 namespace tactel::nn {
 
-/// The inputs of a network with features, or by the rest, as it learns them: stresses and sums of frames behind the
+/// The inputs of a network with features, by the rest or with friction, as it learns them: stresses and sums of frames behind the
 /// newest are differences to the newest's, and every input is less its mean and over its deviation. The network's file has the
 /// weights for the inputs themselves.
 class LearningView {
  public:
   LearningView() = default;  ///< of other networks: changes nothing
-  /// Means and deviations are those of the first rows of a learning set, frames [rows, stresses] MPa.
+  /// Means and deviations are those of the first rows of a learning set, frames [rows, numbers].
   LearningView(const InputScaling& scaling, const RowMatrix<float>& frames);
 
   bool empty() const { return mean_.empty(); }
@@ -29,7 +29,7 @@ class LearningView {
   void each_difference(const Use& use) const;
 
   InputScaling scaling_;
-  int stresses_ = 0;
+  int numbers_ = 0;
   std::vector<float> mean_, deviation_;  ///< [inputs]
 };
 

@@ -59,6 +59,7 @@ struct InputScaling {
   bool square = false;        ///< of features: the pad's tactels lie along x as along y
   float usual_stress = 1.0f;  ///< MPa, > 0: an input of features is peak / (peak + usual_stress), of the newest frame;
                               ///< not of `rest`
+  bool friction = false;      ///< behind the stresses an input has mu and its spread as told (InputHistory::friction)
 
   /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`), nor does
   /// one whose rest has a smaller P (`rest`).
@@ -73,13 +74,20 @@ struct InputScaling {
   int shown() const { return kind == ScalingKind::rest ? history - 1 : history; }
   /// Returns whether the peak is an input.
   bool has_peak() const { return features != Features::frame && kind != ScalingKind::rest; }
+  /// Returns the numbers of an input that are told.
+  int told() const { return friction ? 2 : 0; }
   /// Returns how many sums the features add for each frame.
   int sums() const { return features == Features::pad ? 17 : features == Features::line ? 8 : 0; }
-  /// Returns the network's inputs for so many stresses, of all frames of an input; and those stresses.
-  int inputs(int stresses) const { return stresses / history * shown() + shown() * sums() + has_peak(); }
-  int stresses(int inputs) const { return (inputs - shown() * sums() - has_peak()) / shown() * history; }
-  /// Returns the normal stresses of the newest frame, with which the stresses of an input begin.
-  int normals(int stresses) const { return stresses / (axes * history); }
+  /// Returns the network's inputs for so many numbers: the stresses of all frames of an input and what is told; and
+  /// those numbers.
+  int inputs(int numbers) const { return width(numbers) * shown() + shown() * sums() + has_peak() + told(); }
+  int numbers(int inputs) const {
+    return (inputs - told() - shown() * sums() - has_peak()) / shown() * history + told();
+  }
+  /// Returns the stresses of a frame.
+  int width(int numbers) const { return (numbers - told()) / history; }
+  /// Returns the normal stresses of the newest frame, with which an input begins.
+  int normals(int numbers) const { return width(numbers) / axes; }
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
@@ -191,8 +199,8 @@ struct Model {
   std::optional<Bound> bound{};        ///< of a network with the heads of a bound
   Learnt learnt{};
 
-  /// Returns the stresses of an input, of all its frames.
-  int stresses() const { return scaling.stresses(weights.topology.inputs()); }
+  /// Returns the numbers of an input: the stresses of all its frames, and what is told of friction.
+  int numbers() const { return scaling.numbers(weights.topology.inputs()); }
 };
 
 }  // namespace tactel::nn

@@ -265,7 +265,7 @@ LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::st
         std::size_t inputs = 0;
         for (const Network& network : networks) {
           models.push_back(network.state_->model.get());
-          inputs += static_cast<std::size_t>(models.back()->stresses() / models.back()->history.frames);
+          inputs += static_cast<std::size_t>(models.back()->scaling.width(models.back()->numbers()));
         }
         const std::vector<double> touches(touch ? models.size() : 0, touch.value_or(0));
         if (device.empty()) return new State{host::host_estimator(models, touches), "", inputs, models.size()};
@@ -277,6 +277,7 @@ LiveEstimator::~LiveEstimator() { delete state_; }
 std::size_t LiveEstimator::inputs() const noexcept { return state_->inputs; }
 std::size_t LiveEstimator::sensors() const noexcept { return state_->sensors; }
 std::string LiveEstimator::device() const { return state_->device; }
+void LiveEstimator::friction(float mu, float spread) { state_->estimator->friction(mu, spread); }
 void LiveEstimator::rest() { state_->estimator->rest(); }
 void LiveEstimator::clear() { state_->estimator->clear(); }
 

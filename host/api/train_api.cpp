@@ -38,6 +38,7 @@ host::TrainRequest request_of(const TrainOptions& options) {
   request.bound = options.bound, request.level = options.level;
   if (!options.history.empty()) request.history = options.history;
   request.history_change = options.history_change;
+  request.target = options.target, request.friction = options.friction;
   return request;
 }
 
@@ -128,7 +129,7 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
     host::TrainingPlan plan = host::plan_of(request);
     const auto shown = [&](const Set& rows, const std::string& name) {
       host::NamedSet named{name, api::to_host(rows), {}};
-      named.rows = host::answered_rows(named.contacts, name);
+      named.rows = host::answered_rows(named.contacts, name, plan.target);
       host::check_learnable(named.rows, name);
       host::check_width(plan, named);
       return host::shown_rows(named.rows.frames, plan.history, plan.magnitude, name);
@@ -168,7 +169,7 @@ std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set) {
 }  // namespace
 
 Errors errors(const SlipEstimator& network, const Set& set) {
-  const std::size_t inputs = network.inputs() / network.frames();
+  const std::size_t inputs = SlipHistory(network).inputs();
   if (set.inputs != inputs || set.frames.size() != set.rows() * set.inputs)
     throw InputError("set", std::to_string(set.inputs) + " inputs",
                      "must be " + std::to_string(inputs) + " for the network " + network.topology());

@@ -45,7 +45,7 @@ nn::Model model_of(const ImportRequest& request, const DenseChain& chain, const 
 }
 
 void check_inputs(const ImportRequest& request, const nn::Model& model, const hw::ChannelMap& map) {
-  const auto inputs = static_cast<std::size_t>(model.stresses());
+  const auto inputs = static_cast<std::size_t>(model.numbers());
   const std::size_t wanted = map.places() * static_cast<std::size_t>(model.history.frames);
   if (inputs != wanted)
     throw ConfigError(request.network, "network", fmt::format("{} inputs", inputs),
@@ -62,7 +62,7 @@ double worst(double most, double difference) {
 double difference_on_random_frames(const DenseChain& chain, const nn::Model& model) {
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> stress(-2 * model.scaling.largest_stress, 2 * model.scaling.largest_stress);
-  nn::RowMatrix<float> frames(random_frames, model.stresses());
+  nn::RowMatrix<float> frames(random_frames, model.numbers());
   for (float& number : frames.reshaped()) number = stress(generator);
   const nn::RowMatrix<double> scaled = nn::scale_frames<double>(model.scaling, frames);
   const nn::Vector<float> answers = nn::recall(model.weights, model.scaling, frames).slip_index;
@@ -74,7 +74,7 @@ double difference_on_random_frames(const DenseChain& chain, const nn::Model& mod
 
 /// Lines of an input and its S, as the other program gave it. Returns the largest difference and the number of lines.
 std::pair<double, int> difference_on(const std::string& file, const nn::Model& model) {
-  const Eigen::Index inputs = model.stresses();
+  const Eigen::Index inputs = model.numbers();
   NumberLines numbers(
       file, {.count = static_cast<std::size_t>(inputs) + 1, .meaning = "an input in MPa, then S of the other program"});
   double most = 0;

@@ -26,6 +26,7 @@ struct RecallRequest {
   std::string networks, set, json, rows, html, decision_csv;
   bool decision = false;
   DecisionOptions alarms;
+  double spread = told_nothing;
 
   bool decides() const { return decision || !decision_csv.empty(); }
 };
@@ -79,8 +80,8 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, c
     return !interrupt.requested();
   };
   const bool keep_rows = !request.rows.empty() || !request.html.empty() || request.decides();
-  if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress);
-  return recall_networks<float>(executor, networks, set, keep_rows, progress);
+  if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress, request.spread);
+  return recall_networks<float>(executor, networks, set, keep_rows, progress, request.spread);
 }
 
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
@@ -111,7 +112,7 @@ std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const Net
   }
   text += '\n';
   for (std::size_t k = 0; k < rows.row.size(); ++k) {
-    text += fmt::format("{},{:.9g}", rows.row[k], rows.frames.slip_index[static_cast<Eigen::Index>(k)]);
+    text += fmt::format("{},{:.9g}", rows.row[k], results.front().truth[k]);
     for (const NetworkResult& result : results) {
       const bool none = std::isnan(result.slip_index[k]);
       text += none ? "," : fmt::format(",{:.9g}", result.slip_index[k]);
@@ -240,6 +241,12 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit "
                    "(default: none)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--friction-spread", request->spread,
+                   "tell networks of train --friction the mu of each row within this relative standard deviation "
+                   "(default: they are told nothing)")
+      ->type_name("FLOAT")
+      ->check(CLI::Range(0.0, 1e3));
   command->add_flag("--no-floor")->description("without effect, kept for scripts: no floor is printed");
   add_network_options(*command, request->shared);
   command->callback([command, request, &action] {

@@ -52,9 +52,9 @@ Recorded read_recording(const std::string& file) {
 nn::RowMatrix<float> inputs_of(const Recorded& all, const nn::Model& model, std::size_t first, std::size_t tactels) {
   const std::size_t places = all.profile.map.places(), every = all.profile.map.tactels(), axes = places / every;
   const double touch = all.profile.map.touch(first, tactels);
-  infer::SensorFrames sensor(model.scaling, model.history, model.learnt, model.stresses(),
+  infer::SensorFrames sensor(model.scaling, model.history, model.learnt, model.numbers(),
                              touch > 0 ? std::optional(touch) : std::nullopt);
-  nn::RowMatrix<float> inputs(static_cast<Eigen::Index>(all.arrival.size()), model.stresses());
+  nn::RowMatrix<float> inputs(static_cast<Eigen::Index>(all.arrival.size()), model.numbers());
   std::vector<float> frame(axes * tactels);
   for (std::size_t k = 0; k < all.arrival.size(); ++k) {
     take_pad(std::span(all.stresses).subspan(k * places, places), every, first, tactels, frame.data());

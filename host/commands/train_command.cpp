@@ -187,6 +187,9 @@ void add_train_command(CLI::App& app, Action& action) {
                       "with --history: a frame is kept that differs by more than this share of the contact's largest "
                       "stress from the last kept one, 0 to 1 (default: 0.1)");
   command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
+  command->add_flag("--friction", request->friction,
+                    "networks take mu as far as it is known: a number and its relative spread, which `monitor --friction` "
+                    "and alarms tell; also nothing");
   command
       ->add_option("--features", request->features,
                    "fixed layer before the network, with --scaling frame or rest: line or pad, one of all mirror images of a "

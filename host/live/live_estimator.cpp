@@ -33,6 +33,9 @@ class HostEstimator final : public LiveEstimator {
       frames = frames.subspan(sensors_[i].inputs());
     }
   }
+  void friction(float mu, float spread) override {
+    for (SlipHistory& sensor : sensors_) sensor.friction(mu, spread);
+  }
   void rest() override {
     for (SlipHistory& sensor : sensors_) sensor.rest();
   }
@@ -80,6 +83,9 @@ class SharedLaunch {
     sensors_[row].frames.push(frame);
     sensors_[row].frames.write(inputs_.row(static_cast<Eigen::Index>(row)).data());
   }
+  void friction(float mu, float spread) {
+    for (Sensor& sensor : sensors_) sensor.frames.friction(mu, spread);
+  }
   void rest() {
     for (Sensor& sensor : sensors_) sensor.frames.rest();
   }
@@ -114,7 +120,7 @@ class SharedLaunch {
   SharedLaunch(Executor& executor, std::span<const nn::Model* const> of_sensors,
                std::span<const std::optional<double>> touch, const std::vector<const nn::Model*>& networks)
       : forward_(forward_of(executor, networks)),
-        inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()), networks.front()->stresses())),
+        inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()), networks.front()->numbers())),
         frames_(executor.device(), inputs_),
         buffer_(frames_.buffer()),
         found_(networks.size()) {
@@ -166,6 +172,9 @@ class DeviceEstimator final : public LiveEstimator {
     }
     for (SharedLaunch& launch : launches_) launch.run();
     for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = launches_[*places_[i].launch].answer(places_[i].row);
+  }
+  void friction(float mu, float spread) override {
+    for (SharedLaunch& launch : launches_) launch.friction(mu, spread);
   }
   void rest() override {
     for (SharedLaunch& launch : launches_) launch.rest();

@@ -18,6 +18,8 @@ class LiveEstimator {
   /// Takes the next frame of every sensor: [sensors][inputs of one frame] MPa, as SlipHistory::estimate. answers:
   /// [sensors]. Allocates nothing.
   virtual void estimate(std::span<const float> frames, std::span<Answer> answers) = 0;
+  /// As SlipHistory::friction, of every sensor whose network takes it.
+  virtual void friction(float mu, float spread) = 0;
   /// Seeks the rest of every sensor anew from the next frame on.
   virtual void rest() = 0;
   /// Forgets all frames.

@@ -95,7 +95,7 @@ void check_width(const nn::Model& model, const SensorProfile& profile, std::size
       if (pad.count() == tactels && pad.tactels[0] != model.scaling.columns)
         throw ConfigError("command line", "--network", fmt::format("for {} tactels along x", model.scaling.columns),
                           fmt::format("for {}, as the pad of {} has", pad.tactels[0], profile.name));
-  if (static_cast<std::size_t>(model.stresses()) == inputs * frames) return;
+  if (model.numbers() == nn::numbers_of(model.history, static_cast<int>(inputs))) return;
   throw ConfigError(
       "command line", "--network", model.weights.topology.text(),
       fmt::format(
@@ -154,6 +154,10 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
   if (!networks.empty()) estimator_ = device ? device_estimator(*device, models, touch) : host_estimator(models, touch);
   if (device) summary_.device = device->info().name;
+  if (options.friction > 0) {
+    for (Sensor& sensor : sensors_) sensor.alarm.friction(options.friction, options.friction_spread);
+    estimator_->friction(static_cast<float>(options.friction), static_cast<float>(options.friction_spread));
+  }
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
                                  !map_.shear_y.empty());

@@ -8,6 +8,7 @@
 #include "fem/value_error.h"
 #include "kernels/shared/frame_status.h"
 #include "kernels/shared/network_work.h"
+#include "nn/features.h"
 
 namespace tactel::host {
 namespace {
@@ -18,11 +19,12 @@ static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
 static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 static_assert(nn::InputScaling::rest_scale == REST_SCALE);
+static_assert(nn::usual_friction == USUAL_FRICTION && nn::usual_spread == USUAL_SPREAD);
 
-void check_width(const nn::Topology& topology, int stresses, int given) {
-  if (given != stresses)
+void check_width(const nn::Topology& topology, int numbers, int given) {
+  if (given != numbers)
     throw ValueError("inputs", std::to_string(given) + " a frame",
-                     std::to_string(stresses) + " for the network " + topology.text());
+                     std::to_string(numbers) + " for the network " + topology.text());
 }
 
 template <class Real>
@@ -45,19 +47,20 @@ Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& sc
                         Precision precision) {
   Defines defines = network_defines(topology, lanes, precision);
   defines.push_back({"BOUND", bound ? "1" : "0"});
-  const int stresses = scaling.stresses(topology.inputs());
+  const int numbers = scaling.numbers(topology.inputs()), stresses = numbers - scaling.told();
   if (stresses < 1 || stresses % (scaling.axes * scaling.history) != 0)
     throw ValueError("history", std::to_string(scaling.history),
                      "frames of equal width in the network " + topology.text());
-  if (scaling.history > 1 || scaling.axes != 2)
-    defines.push_back({"NORMALS", std::to_string(scaling.normals(stresses))});
+  if (scaling.history > 1 || scaling.axes != 2 || scaling.friction)
+    defines.push_back({"NORMALS", std::to_string(scaling.normals(numbers))});
   const bool rested = scaling.kind == nn::ScalingKind::rest;
   if (rested) defines.push_back({"RESTED", "1"});
-  if (rested || scaling.features != nn::Features::frame)
+  if (scaling.friction) defines.push_back({"TOLD", std::to_string(scaling.told())});
+  if (rested || scaling.friction || scaling.features != nn::Features::frame)
     for (const auto& [key, number] : {std::pair{"STRESSES", stresses}, {"SHOWN", scaling.shown()}})
       defines.push_back({key, std::to_string(number)});
   if (scaling.features == nn::Features::frame) return defines;
-  const int tactels = scaling.normals(stresses);
+  const int tactels = scaling.normals(numbers);
   if (tactels % scaling.columns != 0)
     throw ValueError("scaling.columns", std::to_string(scaling.columns),
                      "a divisor of the " + std::to_string(tactels) + " tactels");
@@ -132,7 +135,7 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
       topology_(common_topology(networks)),
       networks_(networks.size()),
       answers_(bounds.empty() ? static_cast<std::size_t>(topology_.outputs()) : 4),
-      stresses_(scaling.stresses(topology_.inputs())) {
+      numbers_(scaling.numbers(topology_.inputs())) {
   scaling.validate();
   if (!bounds.empty() && (bounds.size() != networks_ || !topology_.has_bound()))
     throw std::invalid_argument("bounds of other networks");
@@ -171,7 +174,7 @@ void Forward<Real>::set_network(std::size_t network, const nn::Weights<Real>& we
 
 template <class Real>
 void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
-  check_width(topology_, stresses_, frames.inputs());
+  check_width(topology_, numbers_, frames.inputs());
   const std::uint32_t tile = FRAME_VECTORS * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));
   const std::uint32_t tiles = (frames.rows() + tile - 1) / tile;
   const std::size_t numbers = networks_ * answers_ * frames.rows();

@@ -54,7 +54,7 @@ class Forward {
   Executor* executor_;
   nn::Topology topology_;
   std::size_t networks_, answers_;  ///< answers_: numbers of a frame
-  int stresses_;                    ///< of an input
+  int numbers_;                     ///< of an input
   std::uint32_t rows_ = 0;
   std::uint64_t bound_ = 0;  ///< frames that the launch has as its arguments: the id of their buffer
   std::vector<Real> read_;   ///< [answers_][rows] of one network

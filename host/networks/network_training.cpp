@@ -115,7 +115,7 @@ template <class Real>
 nn::Bound NetworkTraining<Real>::bound_of(double noise, std::uint64_t seed) const {
   const nn::FrameSet shown = nn::with_noise(set_, noise, seed);
   nn::Bound bound = nn::uncalibrated_bound(nn::scale_frames<float>(scaling_, shown.frames),
-                                           static_cast<int>(shown.frames.cols()) / (shown.axes * plan_.history.frames));
+                                           scaling_.normals(static_cast<int>(shown.frames.cols())));
   bound.level = plan_.batch->level;
   return bound;
 }

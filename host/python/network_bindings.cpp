@@ -96,6 +96,10 @@ struct OwnAlarm {
     if (!answer) answer = next_answers(*estimator, frame).front();
     return alarm.judge(alarm.answer(numbers, *answer));
   }
+  void friction(double mu, double spread) {
+    alarm.friction(mu, spread);
+    if (estimator) estimator->friction(static_cast<float>(mu), static_cast<float>(spread));
+  }
   void rest() {
     alarm.rest();
     if (estimator) estimator->rest();
@@ -304,6 +308,8 @@ void bind_networks(py::module_& m) {
       .def("next", &OwnAlarm::next, "frame"_a, "answer"_a = py::none(),
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
            "of a LiveEstimator, in place of its own.")
+      .def("friction", &OwnAlarm::friction, "mu"_a, "spread"_a = 0.1,
+           "Tells a network of train(friction=True) mu and its relative standard deviation; 0: mu is not known.")
       .def(
           "rest", &OwnAlarm::rest,
           "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm that needs the rest.")
@@ -341,7 +347,8 @@ void bind_networks(py::module_& m) {
          std::string optimizer, std::string loss, std::optional<int> cycles, std::optional<int> batch,
          std::optional<double> rate, std::optional<double> warm_up, std::optional<double> average,
          const Set* validation, std::optional<int> patience, bool bound, std::optional<double> level,
-         std::string history, std::optional<double> history_change, std::string device, py::object progress) {
+         std::string history, std::optional<double> history_change, std::string target, bool friction, std::string device,
+         py::object progress) {
         TrainOptions options;
         options.networks = std::move(networks);
         options.seeds = seeds;
@@ -361,13 +368,15 @@ void bind_networks(py::module_& m) {
         options.level = level;
         options.history = std::move(history);
         options.history_change = history_change;
+        options.target = std::move(target), options.friction = friction;
         options.device = std::move(device);
         const PythonProgress told(std::move(progress));
         return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
       "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "features"_a, "schedule"_a,
       "optimizer"_a, "loss"_a, "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a,
-      "bound"_a, "level"_a, "history"_a, "history_change"_a, "device"_a, "progress"_a);
+      "bound"_a, "level"_a, "history"_a, "history_change"_a, "target"_a, "friction"_a,
+      "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -89,8 +89,8 @@ AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::T
 }
 
 nn::FrameSet shown_rows(const nn::FrameSet& rows, const nn::InputHistory& history, bool magnitude,
-                        const std::string& file) try {
-  nn::FrameSet shown = nn::with_history(rows, history);
+                        const std::string& file, std::optional<double> spread) try {
+  nn::FrameSet shown = nn::with_history(rows, history, spread);
   shown.slip.clear(), shown.slid.clear();
   if (magnitude) shown.slip_index = shown.slip_index.cwiseAbs();
   return shown;

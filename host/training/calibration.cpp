@@ -35,7 +35,7 @@ nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const
   AnsweredRows rows = answered_rows(set, file);
   check_learnable(rows, file);
   rows.frames = shown_rows(rows.frames, model.history, model.magnitude, file);
-  if (rows.frames.frames.cols() != model.stresses())
+  if (rows.frames.frames.cols() != model.numbers())
     throw ConfigError(network.file, "topology", model.weights.topology.text(),
                       fmt::format("a network with {} inputs, as many as the set has", rows.frames.frames.cols()));
   Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling);

@@ -45,8 +45,8 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
 }
 
 void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
-  const int frames = network.model.history.frames, inputs = network.model.stresses();
-  if (inputs != frames * set.frames.cols())
+  const int frames = network.model.history.frames, inputs = network.model.numbers();
+  if (inputs != nn::numbers_of(network.model.history, static_cast<int>(set.frames.cols())))
     throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
                       frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())
                                   : fmt::format("a network with {} inputs, {} frames of the set",
@@ -76,7 +76,10 @@ NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, cons
   const std::vector<double> errors = nn::absolute_errors(answer.slip_index, set);
   NetworkResult result{.errors = nn::report_errors(errors, set)};
   for (const nn::FrameStatus status : answer.status) ++result.frames[static_cast<std::size_t>(status)];
-  if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
+  if (keep_rows) {
+    result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
+    result.truth.assign(set.slip_index.begin(), set.slip_index.end());
+  }
   if (!model.bound) return result;
   result.bound = report_bound(answer.bounds, errors, set);
   if (model.bound->calibrated()) result.bound->holds = holds(result.bound->all, model.bound->level);
@@ -102,7 +105,7 @@ std::vector<NamedNetwork> read_networks(const fs::path& path) {
 template <class Real>
 std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
                                                           const nn::FrameSet& set, bool keep_rows,
-                                                          const Progress& progress) {
+                                                          const Progress& progress, double spread) {
   for (const NamedNetwork& network : networks) check_width(network, set);
   std::optional<nn::FrameSet> formed;  // where a network takes other than single frames and S
   std::optional<DeviceFrames> frames;
@@ -114,8 +117,8 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
     const nn::Model& model = networks[first].model;
     if (same == nullptr || same->history != model.history || same->magnitude != model.magnitude) {
       frames.reset(), formed.reset();
-      if (model.history.frames > 1 || model.magnitude)
-        formed = shown_rows(set, model.history, model.magnitude, networks[first].file);
+      if (model.history != nn::InputHistory{} || model.magnitude)
+        formed = shown_rows(set, model.history, model.magnitude, networks[first].file, spread);
       frames.emplace(executor.device(), (formed ? *formed : set).frames);
       same = &model;
     }
@@ -139,8 +142,10 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
 }
 
 template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&, std::span<const NamedNetwork>,
-                                                                          const nn::FrameSet&, bool, const Progress&);
+                                                                          const nn::FrameSet&, bool, const Progress&,
+                                                                         double);
 template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&, std::span<const NamedNetwork>,
-                                                                           const nn::FrameSet&, bool, const Progress&);
+                                                                           const nn::FrameSet&, bool, const Progress&,
+                                                                         double);
 
 }  // namespace tactel::host

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <limits>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -28,6 +29,8 @@ int paper_number(const nn::Topology& topology);
 /// noise and seed. Throws ConfigError for a path without networks, and as read_onnx.
 std::vector<NamedNetwork> read_networks(const std::filesystem::path& path);
 
+inline constexpr double told_nothing = std::numeric_limits<double>::infinity();
+
 /// Answers of a network to a set.
 struct NetworkResult {
   nn::ErrorReport errors;
@@ -35,22 +38,24 @@ struct NetworkResult {
   std::vector<float> slip_index{};        ///< [rows] if requested; NaN where the network gave none
   std::optional<BoundReport> bound{};     ///< of a network with a bound
   std::vector<nn::BoundAnswer> bounds{};  ///< [rows] of a network with a bound, if requested
+  std::vector<float> truth{};             ///< [rows] what the network is to answer, if requested
 };
 
-/// Evaluates every network on every row, in the order of `networks`. Returns none where progress stops it. Throws
+/// Evaluates every network on every row, in the order of `networks`. spread: of what is told of mu (nn::with_history);
+/// infinity: nothing. Returns none where progress stops it. Throws
 /// ConfigError, naming the file of the network, for frames of another width.
 template <class Real>
 std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
                                                           const nn::FrameSet& set, bool keep_rows,
-                                                          const Progress& progress);
+                                                          const Progress& progress, double spread = told_nothing);
 
 extern template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&,
                                                                                  std::span<const NamedNetwork>,
                                                                                  const nn::FrameSet&, bool,
-                                                                                 const Progress&);
+                                                                                 const Progress&, double);
 extern template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&,
                                                                                   std::span<const NamedNetwork>,
                                                                                   const nn::FrameSet&, bool,
-                                                                                  const Progress&);
+                                                                                  const Progress&, double);
 
 }  // namespace tactel::host

@@ -24,7 +24,7 @@ namespace {
 constexpr int most_threads = 8;
 
 nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::string& name) {
-  if (shown.history.frames == 1 && !shown.magnitude) return rows;
+  if (shown.history == nn::InputHistory{} && !shown.magnitude) return rows;
   return shown_rows(rows, shown.history, shown.magnitude, name);
 }
 
@@ -32,7 +32,7 @@ nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::stri
 std::string text_of(const ShownRows& shown) {
   const nn::InputHistory& h = shown.history;
   return (h.path() > 1 ? fmt::format(" history {}:{} change {:a}", h.path(), h.stride, h.change) : "") +
-         (h.rest ? " rest" : "") +
+         (h.rest ? " rest" : "") + (h.friction ? " friction" : "") +
          (shown.magnitude ? " magnitude" : "") +
          (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }
@@ -76,7 +76,7 @@ class SimulatedStream : public FrameStream {
   void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
   std::string name() const override { return name_; }
-  int inputs() const override { return sweep_.contacts().inputs() * shown_.history.frames; }
+  int inputs() const override { return nn::numbers_of(shown_.history, sweep_.contacts().inputs()); }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> all = unit_warnings(sweep_.source);
     const auto* lines = std::get_if<SceneSource>(&sweep_.source);
@@ -126,7 +126,7 @@ class FileStream : public FrameStream {
   }
   std::uint64_t blocks() const override { return (reader_.rows() + rows_ - 1) / rows_; }
   std::string name() const override { return name_; }
-  int inputs() const override { return reader_.inputs() * shown_.history.frames; }
+  int inputs() const override { return nn::numbers_of(shown_.history, reader_.inputs()); }
   std::string description() const override {
     return "file " + std::to_string(reader_.rows()) + " rows, " + std::to_string(rows_) + " a block, " +
            nn::name(how_) + ", seed " + std::to_string(seed_) + text_of(shown_) + "\n" + contact_set_sweep(name_);

@@ -31,6 +31,7 @@ nn::InputHistory history_of(const TrainRequest& request) {
   nn::InputHistory history = parse_history(request.history, request.history_change);
   history.rest = nn::parse_scaling(request.scaling) == nn::ScalingKind::rest;
   history.frames += history.rest;
+  history.friction = request.friction;
   return history;
 }
 
@@ -56,6 +57,8 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
+  if (request.friction && request.target == "slid")
+    throw ConfigError("command line", "--friction", "given", "left out with --target slid, which does not depend on mu");
   if (request.target != "slid") refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid");
   if (request.stream.empty() && !request.rung.empty())
     throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
@@ -95,13 +98,13 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
   return batch;
 }
 
-/// A name has the inputs of the frames without the rest. The paper's numbers stand for its hidden layers behind as many
+/// A name has the inputs of the frames without the rest and what is told. The paper's numbers stand for its hidden layers behind as many
 /// as there are.
 nn::Topology topology_of(const std::string& name, const nn::InputHistory& history) {
   const nn::Topology topology = nn::Topology::parse(name);
   const bool numbered = name.substr(0, name.find('_')).find('-') == std::string::npos;
-  const int frame = numbered ? topology.inputs() : topology.inputs() / history.path();
-  return topology.with_inputs(topology.inputs() * (numbered ? history.path() : 1) + (history.rest ? frame : 0));
+  return topology.with_inputs(
+      nn::numbers_of(history, numbered ? topology.inputs() : topology.inputs() / history.path()));
 }
 
 std::vector<nn::Topology> topologies_of(const TrainRequest& request, const nn::InputHistory& history) {
@@ -191,7 +194,7 @@ TrainingPlan plan_of(const TrainRequest& request) try {
 }
 
 std::string named(const nn::Topology& topology, const nn::InputHistory& history) {
-  return topology.with_inputs(topology.inputs() / history.frames * history.path()).text();
+  return topology.with_inputs((topology.inputs() - (history.friction ? 2 : 0)) / history.frames * history.path()).text();
 }
 
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
@@ -200,7 +203,7 @@ void check_width(const TrainingPlan& plan, const NamedSet& set) {
                       "rows of the pressing, for --history: [sweep] press_rows = true gives them");
   const int inputs = set.contacts.inputs, frames = plan.history.path();
   for (const nn::Topology& topology : plan.topologies)
-    if (topology.inputs() != inputs * plan.history.frames)
+    if (topology.inputs() != nn::numbers_of(plan.history, inputs))
       throw ConfigError(
           "command line", "--network", named(topology, plan.history),
           frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, set.file)

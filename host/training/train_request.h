@@ -24,7 +24,7 @@ struct TrainRequest {
   std::string scaling = "set", order = "permuted";
   std::optional<std::string> history;  ///< "k" or "k:stride"
   std::optional<double> history_change;
-  bool magnitude = false;
+  bool magnitude = false, friction = false;
   std::string features = "frame";
   std::string target = "slip_index";
   std::optional<double> alarm_at;
@@ -66,7 +66,7 @@ NamedSet read_learning_set(const TrainRequest& request);
 /// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
 /// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
-/// Returns the name of a plan's topology as the user gives it: without the inputs of the rest.
+/// Returns the name of a plan's topology as the user gives it: without the inputs of the rest and what is told.
 std::string named(const nn::Topology& topology, const nn::InputHistory& history);
 /// Throws ConfigError where a network's number of inputs differs from the set's, or the set lacks the rows that the
 /// plan's history needs.

@@ -56,6 +56,7 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
     options["history"] = {
         {"frames", plan.history.path()}, {"stride", plan.history.stride}, {"change", plan.history.change}};
   if (plan.magnitude) options["magnitude"] = true;
+  if (plan.history.friction) options["friction"] = true;
   if (!plan.batch) return options;
   options["batch"] = plan.batch->batch;
   options["optimizer"] = nn::name(plan.batch->rule);
@@ -351,7 +352,8 @@ Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device
     if (lesson.stream && topology.inputs() != lesson.stream->inputs())
       throw ConfigError("command line", "--network", named(topology, plan.history),
                         fmt::format("a network with {} inputs, as many as the frames have",
-                                    lesson.stream->inputs() / plan.history.frames * plan.history.path()));
+                                    (lesson.stream->inputs() - (plan.history.friction ? 2 : 0)) /
+                                        plan.history.frames * plan.history.path()));
   if (!request.recall_set.empty()) {
     stage(request.recall_set);
     lesson.recall = read_set(request.recall_set, plan.target);

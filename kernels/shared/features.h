@@ -122,7 +122,7 @@ INLINE void add_features(int v, vreal peak, real usual, vreal (*x)[FRAME_VECTORS
 #if RESTED
   (void)peak, (void)usual;
 #else
-  x[INPUTS - 1][v] = peak / (peak + ALL_LANES(usual));
+  x[INPUTS - TOLD - 1][v] = peak / (peak + ALL_LANES(usual));
 #endif
 }
 

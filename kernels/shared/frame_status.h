@@ -19,4 +19,7 @@
 #define LARGE_SCALE 0x1p-8f
 #define REST_SCALE 0x1p-10f /* times which inputs with a rest are taken */
 
+#define USUAL_FRICTION 0.5f /* nn::usual_friction */
+#define USUAL_SPREAD 0.1f   /* nn::usual_spread */
+
 #endif

@@ -13,6 +13,7 @@ namespace {
 constexpr float usual_at = 0.8f;      // of S
 constexpr float release = 0.05f;      // of S, below `at`
 constexpr std::size_t most_axes = 3;  // of a tactel
+constexpr double most_friction = 1e3;
 
 [[noreturn]] void refuse(const char* place, double value, const char* fix) {
   throw InputError(place, std::to_string(value), fix);
@@ -94,16 +95,16 @@ struct Alarm::State {
   std::optional<SlipHistory> history{};
   std::optional<infer::RestReference> rest{};
   std::size_t inputs, tactels;
-  bool has_bound = false, needs_rest = false, of_slid = false;  ///< of the network
+  bool has_bound = false, needs_rest = false, takes_friction = false, of_slid = false;  ///< of the network
   bool on = false;
   int asking = 0;  ///< frames in a row that asked for the alarm
 };
 
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
-    : state_(new State(checked(network, options), network.inputs() / network.frames(), network.tactels())) {
+    : state_(new State(checked(network, options), SlipHistory(network).inputs(), network.tactels())) {
   state_->history.emplace(network, state_->touch);
   state_->has_bound = network.has_bound(), state_->needs_rest = network.needs_rest();
-  state_->of_slid = network.metadata("target") == slid;
+  state_->takes_friction = network.takes_friction(), state_->of_slid = network.metadata("target") == slid;
 }
 Alarm::Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options)
     : state_(new State(checked(tactels, axes, options), tactels * axes, tactels)) {}
@@ -160,6 +161,14 @@ AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
   given.on = state_->on;
   given.cannot_tell = none || unlike || (wide && !given.on) || (!nothing && state_->seeks_rest(given));
   return given;
+}
+
+void Alarm::friction(double mu, double spread) {
+  if (!state_->takes_friction)
+    throw InputError("friction", std::to_string(mu), "leave it out: the network does not take friction");
+  if (!(mu >= 0 && mu <= most_friction)) refuse("friction", mu, "must be 0, not known, or above, at most 1000");
+  if (!(spread >= 0 && spread <= most_friction)) refuse("spread", spread, "must be 0 or above, at most 1000");
+  state_->history->friction(static_cast<float>(mu), static_cast<float>(spread));
 }
 
 void Alarm::rest() noexcept {

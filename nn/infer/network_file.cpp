@@ -85,6 +85,7 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
     metadata["history_change"] = exact(model.history.change);
   }
   if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
+  if (model.scaling.friction) metadata["friction"] = "1";
   if (model.scaling.features != nn::Features::frame) {
     metadata["features"] = nn::name(model.scaling.features);
     metadata["tactel_columns"] = exact(model.scaling.columns);
@@ -347,10 +348,10 @@ nn::Bound read_bound(const Contents& contents, int inputs) {
 /// The inputs of a network are whole frames of whole tactels, and their sums.
 void check_frames(const nn::Model& model) {
   const nn::InputScaling& scaling = model.scaling;
-  const int stresses = model.stresses(), tactels = scaling.normals(stresses);
+  const int numbers = model.numbers(), tactels = scaling.normals(numbers), stresses = numbers - scaling.told();
   const bool grid = scaling.features == nn::Features::frame || tactels % scaling.columns == 0;
   const bool turns = !scaling.square || tactels == scaling.columns * scaling.columns;
-  const bool whole = scaling.inputs(stresses) == model.weights.topology.inputs();
+  const bool whole = scaling.inputs(numbers) == model.weights.topology.inputs();
   if (stresses > 0 && stresses % (scaling.axes * scaling.history) == 0 && whole && grid && turns) return;
   throw Refused{std::to_string(scaling.axes) + " axes and a history of " + std::to_string(scaling.history) +
                     " of the network " + model.weights.topology.text(),
@@ -364,6 +365,7 @@ nn::Model model_of(const Contents& contents) {
   model.history = read_history(metadata);
   model.scaling = {nn::parse_scaling(text_of(metadata, "scaling")), number_of<float>(metadata, "largest_stress"),
                    model.history.frames, metadata.contains("axes") ? number_of<int>(metadata, "axes") : 2};
+  model.scaling.friction = model.history.friction = metadata.contains("friction");
   if (metadata.contains("features")) {
     model.scaling.features = nn::parse_features(text_of(metadata, "features"));
     model.scaling.columns = number_of<int>(metadata, "tactel_columns");
@@ -385,7 +387,7 @@ nn::Model model_of(const Contents& contents) {
   read_weights(contents, model.weights);
   if (!topology.has_bound()) return model;
   model.bound = read_bound(contents, topology.inputs());
-  if (model.stresses() % model.bound->tactels != 0)
+  if (model.scaling.width(model.numbers()) % model.bound->tactels != 0)
     throw ValueError("bound.tactels", std::to_string(model.bound->tactels),
                      "such that the network has whole frames of them");
   return model;
@@ -455,7 +457,7 @@ SlipEstimator SlipEstimator::Network::of(const nn::Model& model, infer::Metadata
   const infer::RoundingToNearest rounding;
   const nn::Topology& topology = model.weights.topology;
   auto network = std::make_unique<Network>();
-  network->inputs = model.stresses();
+  network->inputs = model.numbers();
   network->scaling = model.scaling;
   network->history = model.history;
   network->normals = model.scaling.normals(network->inputs);

@@ -48,26 +48,26 @@ class Builder {
 const std::vector<Attribute> largest_of_row{{"axes", 1, true}, {"keepdims", 1}}, sum_of_row{{"keepdims", 1}},
     to_float{{"to", 1}}, to_integer{{"to", 7}};
 
-void add_set_scaling(Builder& graph, const nn::InputScaling& scaling) {
+void add_set_scaling(Builder& graph, const nn::InputScaling& scaling, const string& frame, const string& output) {
   graph.scalar("factor", 1.0f / scaling.largest_stress);
-  graph.node("Mul", {"frame", "factor"}, "scaled");
+  graph.node("Mul", {frame, "factor"}, output);
 }
 
 /// Each input by the largest |normal stress| of its first `normals` numbers, the newest frame's; zeros where there is
 /// none.
-void add_frame_scaling(Builder& graph, int normals, const string& output) {
+void add_frame_scaling(Builder& graph, int normals, const string& frame, const string& output) {
   graph.integer("first_normal", 0);
   graph.integer("end_of_normal", normals);
-  graph.integer("along_frame", 1);
+  if (frame == "frame") graph.integer("along_frame", 1);
   graph.scalar("zero", 0.0f);
   graph.scalar("one", 1.0f);
   graph.scalar("smallest_stress", nn::InputScaling::smallest_stress);
-  graph.node("Slice", {"frame", "first_normal", "end_of_normal", "along_frame"}, "normal");
+  graph.node("Slice", {frame, "first_normal", "end_of_normal", "along_frame"}, "normal");
   graph.node("Abs", {"normal"}, "normal_size");
   graph.node("ReduceMax", {"normal_size"}, "largest_normal", largest_of_row);
   graph.node("Less", {"largest_normal", "smallest_stress"}, "no_stress");
   graph.node("Where", {"no_stress", "one", "largest_normal"}, "divisor");
-  graph.node("Div", {"frame", "divisor"}, "relative");
+  graph.node("Div", {frame, "divisor"}, "relative");
   graph.node("Where", {"no_stress", "zero", "relative"}, output);
 }
 
@@ -122,15 +122,16 @@ class Rows {
 };
 
 /// Differences of frames to the input's last one, the rest, over its P; zeros where it has none.
-void add_rest_scaling(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses, const string& output) {
-  const int width = stresses / scaling.history, shown = scaling.shown() * width;
-  graph.integer("along_frame", 1);
+void add_rest_scaling(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int numbers, const string& frame,
+                      const string& output) {
+  const int width = scaling.width(numbers), shown = scaling.shown() * width;
+  if (frame == "frame") graph.integer("along_frame", 1);
   graph.scalar("zero", 0.0f);
   graph.scalar("one", 1.0f);
   graph.scalar("smallest_stress", nn::InputScaling::smallest_stress);
-  rows.slice("frame", 0, shown, "path");
-  rows.slice("frame", shown, shown + width, "rest");
-  rows.slice("rest", 0, scaling.normals(stresses), "rest_normals");
+  rows.slice(frame, 0, shown, "path");
+  rows.slice(frame, shown, shown + width, "rest");
+  rows.slice("rest", 0, scaling.normals(numbers), "rest_normals");
   rows.sum("rest_normals", "rest_tension");
   graph.node("Neg", {"rest_tension"}, "rest_force");
   graph.node("Less", {"rest_force", "smallest_stress"}, "no_stress");
@@ -251,9 +252,9 @@ std::vector<string> add_sums(Builder& graph, Rows& rows, const nn::InputScaling&
           pxx, pyy,  pxy,  "T_P", txx,    tyy,    "along_dx", "along_dy"};
 }
 
-/// nn::add_features, from `relative_frame` and `largest_normal` to `scaled`.
-void add_features(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses) {
-  const int n = scaling.normals(stresses);
+/// nn::add_features, from `relative_frame` and `largest_normal`.
+void add_features(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int numbers, const string& output) {
+  const int n = scaling.normals(numbers);
   graph.scalar("least_divisor", nn::least_divisor);
   if (scaling.has_peak()) graph.scalar("usual_stress", scaling.usual_stress);
   add_image(graph, rows, scaling, n);
@@ -262,11 +263,38 @@ void add_features(Builder& graph, Rows& rows, const nn::InputScaling& scaling, i
   graph.node("Reshape", {"canonical", "shape_of_frames"}, "one_frame");
   graph.node("Concat", add_sums(graph, rows, scaling, n), "sums_of_frame", {{"axis", 1}});
   graph.node("Reshape", {"sums_of_frame", "shape_of_sums"}, "sums");
-  if (!scaling.has_peak()) return graph.node("Concat", {"canonical", "sums"}, "scaled", {{"axis", 1}});
+  if (!scaling.has_peak()) return graph.node("Concat", {"canonical", "sums"}, output, {{"axis", 1}});
   graph.node("Add", {"largest_normal", "usual_stress"}, "peak_and_usual");
   graph.node("Div", {"largest_normal", "peak_and_usual"}, "peak_share_of_any");
   graph.node("Where", {"no_stress", "zero", "peak_share_of_any"}, "peak_share");
-  graph.node("Concat", {"canonical", "sums", "peak_share"}, "scaled", {{"axis", 1}});
+  graph.node("Concat", {"canonical", "sums", "peak_share"}, output, {{"axis", 1}});
+}
+
+/// `frame` without what is told.
+void add_stresses(Builder& graph, Rows& rows, int numbers) {
+  graph.integer("along_frame", 1);
+  rows.slice("frame", 0, numbers - 2, "stresses");
+}
+
+/// nn::tell_friction, from `frame` and `scaled_stresses` to `scaled`; zeros where these are of no stress.
+void add_told(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int numbers) {
+  const bool has_status = scaling.kind != nn::ScalingKind::set;
+  if (!has_status) graph.scalar("zero", 0.0f), graph.scalar("one", 1.0f);
+  graph.scalar("usual_friction", nn::usual_friction);
+  graph.scalar("usual_spread", nn::usual_spread);
+  graph.scalar("not_told", 0.5f);
+  const auto tell = [&](const string& name, int place, const char* of_none) {
+    rows.slice("frame", place, place + 1, name);
+    graph.node("Add", {name, "usual_" + name}, name + "_and_usual");
+    graph.node("Div", {name, name + "_and_usual"}, name + "_share");
+    if (place == numbers - 2) graph.node("Greater", {name, "zero"}, "told");
+    graph.node("Where", {"told", name + "_share", of_none}, "told_" + name);
+  };
+  tell("friction", numbers - 2, "not_told");
+  tell("spread", numbers - 1, "one");
+  graph.node("Concat", {"scaled_stresses", "told_friction", "told_spread"}, has_status ? "all_inputs" : "scaled",
+             {{"axis", 1}});
+  if (has_status) graph.node("Where", {"no_stress", "zero", "all_inputs"}, "scaled");
 }
 
 /// f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
@@ -416,17 +444,22 @@ string bias_name(int l) { return "bias" + std::to_string(l + 1); }
 Graph graph_of(const nn::Model& model) {
   const nn::Topology& topology = model.weights.topology;
   const bool features = model.scaling.features != nn::Features::frame;
-  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", model.stresses()}, {{nn::name(model.target), 1}}};
+  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", model.numbers()}, {{nn::name(model.target), 1}}};
   Builder builder(graph);
   Rows rows(builder);
-  const string relative = features ? "relative_frame" : "scaled";
-  if (model.scaling.kind == nn::ScalingKind::set)
-    add_set_scaling(builder, model.scaling);
-  else if (model.scaling.kind == nn::ScalingKind::frame)
-    add_frame_scaling(builder, model.scaling.normals(model.stresses()), relative);
+  const nn::InputScaling& scaling = model.scaling;
+  const int numbers = model.numbers();
+  const string frame = scaling.friction ? "stresses" : "frame";
+  const string inputs = scaling.friction ? "scaled_stresses" : "scaled", relative = features ? "relative_frame" : inputs;
+  if (scaling.friction) add_stresses(builder, rows, numbers);
+  if (scaling.kind == nn::ScalingKind::set)
+    add_set_scaling(builder, scaling, frame, relative);
+  else if (scaling.kind == nn::ScalingKind::frame)
+    add_frame_scaling(builder, scaling.normals(numbers), frame, relative);
   else
-    add_rest_scaling(builder, rows, model.scaling, model.stresses(), relative);
-  if (features) add_features(builder, rows, model.scaling, model.stresses());
+    add_rest_scaling(builder, rows, scaling, numbers, frame, relative);
+  if (features) add_features(builder, rows, scaling, numbers, inputs);
+  if (scaling.friction) add_told(builder, rows, scaling, numbers);
   builder.scalar("half", 0.5f);
   string last = "scaled";
   for (int l = 0; l < topology.layers(); ++l) {

@@ -10,14 +10,15 @@
 namespace tactel::infer {
 
 /// The frames of one sensor as a network's input has them: those of its path by change of load, then the rest of the
-/// grip where the network is by the rest. Only the constructor allocates.
+/// grip where the network is by the rest, then what is told of friction. Only the constructor allocates.
 class SensorFrames {
  public:
   /// touch: MPa, where a normal stress of this size touches; none: the smallest peak that the network learnt.
-  SensorFrames(const nn::InputScaling& scaling, const nn::InputHistory& history, const nn::Learnt& learnt, int stresses,
+  SensorFrames(const nn::InputScaling& scaling, const nn::InputHistory& history, const nn::Learnt& learnt, int numbers,
                std::optional<double> touch = {})
-      : path_(static_cast<std::size_t>(stresses / history.frames), history),
-        normals_(static_cast<std::size_t>(scaling.normals(stresses))),
+      : path_(static_cast<std::size_t>(scaling.width(numbers)), history),
+        normals_(static_cast<std::size_t>(scaling.normals(numbers))),
+        takes_friction_(scaling.friction),
         touch_(std::max<double>(touch.value_or(learnt.smallest_peak), nn::InputScaling::smallest_stress)) {
     if (history.rest) rest_.emplace(path_.width(), normals_, touch_);
   }
@@ -30,11 +31,15 @@ class SensorFrames {
     const std::span<const float> normals(frame, normals_);
     rest_->next({frame, width()}, std::ranges::any_of(normals, [&](float s) { return std::abs(s) >= touch_; }));
   }
-  /// Writes the input [frames][width] MPa; its rest is zeros until one is found.
+  /// Writes the input: [frames][width] MPa, whose rest is zeros until one is found, and what is told.
   void write(float* input) const noexcept {
     path_.write(input);
-    if (rest_) rest_->write(input + path_.inputs());
+    input += path_.inputs();
+    if (rest_) rest_->write(input), input += width();
+    if (takes_friction_) input[0] = friction_, input[1] = spread_;
   }
+  /// Tells mu, 0: it is not known, and its relative deviation.
+  void friction(float mu, float spread) noexcept { friction_ = mu, spread_ = spread; }
   /// Seeks the rest anew from the next frame on.
   void rest() noexcept {
     if (rest_) rest_->forget();
@@ -45,6 +50,8 @@ class SensorFrames {
  private:
   nn::FrameHistory path_;
   std::size_t normals_;
+  bool takes_friction_;
+  float friction_ = 0, spread_ = 0;
   double touch_;  ///< MPa
   std::optional<RestReference> rest_;
 };

@@ -101,7 +101,7 @@ bool all_finite(const float* numbers, int count) noexcept {
 /// scale_frame by the rest, of finite stresses.
 AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, const float* frame,
                                float* scaled) noexcept {
-  const int width = inputs / scaling.history, frames = scaling.shown();
+  const int width = scaling.width(inputs), frames = scaling.shown();
   const float* const rest = frame + frames * width;
   constexpr float scale = nn::InputScaling::rest_scale;
   float P = 0;
@@ -115,12 +115,9 @@ AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, cons
   return AnswerStatus::ok;
 }
 
-/// Scales a frame as nn/input_scaling.cpp does. A frame that is not finite, or carries no stress, becomes zeros.
-AnswerStatus scale_frame(const Network& network, const float* frame, float* scaled) noexcept {
+/// scale_frame by the set or the frame, of finite stresses.
+AnswerStatus scale_stresses(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
-  std::fill_n(scaled, network.scaling.inputs(inputs), 0.0f);
-  if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
-  if (network.scaling.kind == nn::ScalingKind::rest) return scale_differences(network.scaling, inputs, frame, scaled);
   float factor = network.factor, scale = 1, largest = 0;
   if (network.by_frame) {
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
@@ -128,9 +125,23 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
     if (largest > nn::InputScaling::large_stress) scale = nn::InputScaling::large_scale;
     factor = 1.0f / (largest * scale);
   }
-  for (int k = 0; k < inputs; ++k) scaled[k] = frame[k] * scale * factor;
+  const int count = network.scaling.width(inputs) * network.scaling.history;
+  for (int k = 0; k < count; ++k) scaled[k] = frame[k] * scale * factor;
   if (network.scaling.features != nn::Features::frame) nn::add_features(network.scaling, inputs, largest, scaled);
   return AnswerStatus::ok;
+}
+
+/// Scales a frame as nn/input_scaling.cpp does. A frame that is not finite, or carries no stress, becomes zeros.
+AnswerStatus scale_frame(const Network& network, const float* frame, float* scaled) noexcept {
+  const nn::InputScaling& scaling = network.scaling;
+  const int inputs = network.inputs;
+  std::fill_n(scaled, scaling.inputs(inputs), 0.0f);
+  if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
+  const AnswerStatus status = scaling.kind == nn::ScalingKind::rest ? scale_differences(scaling, inputs, frame, scaled)
+                                                                    : scale_stresses(network, frame, scaled);
+  if (scaling.friction && status == AnswerStatus::ok)
+    nn::tell_friction(frame[inputs - 2], frame[inputs - 1], scaled + scaling.inputs(inputs) - 2);
+  return status;
 }
 
 Answer answer_of(AnswerStatus status, float slip_index) noexcept {
@@ -258,6 +269,7 @@ std::size_t SlipEstimator::frames() const noexcept { return static_cast<std::siz
 std::size_t SlipEstimator::tactels() const noexcept { return static_cast<std::size_t>(network_->normals); }
 bool SlipEstimator::has_bound() const noexcept { return network_->bound.has_value(); }
 float SlipEstimator::smallest_peak() const noexcept { return network_->learnt.smallest_peak; }
+bool SlipEstimator::takes_friction() const noexcept { return network_->scaling.friction; }
 bool SlipEstimator::needs_rest() const noexcept { return network_->history.rest; }
 float SlipEstimator::alarm_at() const noexcept { return network_->learnt.alarm_at; }
 
@@ -286,6 +298,7 @@ Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
   return state_->network.estimate({state_->input, state_->network.inputs()});
 }
 
+void SlipHistory::friction(float mu, float spread) noexcept { state_->frames.friction(mu, spread); }
 void SlipHistory::rest() noexcept { state_->frames.rest(); }
 void SlipHistory::clear() noexcept { state_->frames.clear(); }
 

@@ -63,7 +63,7 @@ TEST(InputScaling, ByRestTakesDifferencesOverItsForce) {
     std::vector<float> x(static_cast<std::size_t>(rest.inputs(static_cast<int>(frames.size()))), not_a_number);
     return Scaled{scale_frame(rest, frames.data(), static_cast<int>(frames.size()), x.data()), x};
   };
-  EXPECT_EQ(rest.stresses(4), 8);
+  EXPECT_EQ(rest.numbers(4), 8);
   EXPECT_THAT(scaled({-3, -1, 0.5f, 0.25f, -2, -2, 0.5f, 0}).values, ElementsAre(-0.25f, 0.25f, 0.0f, 0.0625f));
   for (const float largest : {0x1p-30f, 0x1p127f})  // 2^127 + 2^127 is infinity in fp32
     EXPECT_THAT(scaled({-largest, largest, 0, 0, -largest, -largest, largest, 0}).values,

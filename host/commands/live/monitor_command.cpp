@@ -254,6 +254,10 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
   if ((request.view && target != nn::Target::slip_index) || (!request.alarm_given.empty() && !alarms))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
+  if (request.options.friction > 0 &&
+      (none || !std::ranges::all_of(networks, [](const nn::Model& network) { return network.history.friction; })))
+    throw ConfigError("command line", "--friction", fmt::format("{}", request.options.friction),
+                      "left out but for networks of tactel train --friction");
   if (request.options.rest && request.options.touch == 0.0)
     throw ConfigError("command line", "--touch", "0",
                       "above 0 with --rest or a network by the rest: a grip ends where nothing touches");
@@ -407,6 +411,16 @@ void add_monitor_command(CLI::App& app, Action& action) {
           "what --alarm acts on: slip, S or its bound, or moved, with --rest (default: slip, without a network "
           "moved)")
       ->check(CLI::IsMember({"slip", "moved"}));
+  CLI::Option* friction = command
+                              ->add_option("--friction", request->options.friction,
+                                           "mu, as far as it is known, for networks of train --friction")
+                              ->type_name("MU")
+                              ->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--friction-spread", request->options.friction_spread, "relative standard deviation of that mu")
+      ->type_name("FLOAT")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str()
+      ->needs(friction);
   command
       ->add_option("--hold", request->options.hold,
                    "with --alarm: it begins at the last of so many frames in a row that ask for it")

@@ -236,30 +236,32 @@ def _widths(layers):
 
 
 def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]] = (42, 42, 21, 1), *, seeds: int = 1,
-          first_seed: int = 1, noise: float | Sequence[float] = 0.0, scaling: Literal["set", "frame"] = "set",
+          first_seed: int = 1, noise: float | Sequence[float] = 0.0, scaling: Literal["set", "frame", "rest"] = "set",
           features: Literal["frame", "line", "pad"] = "frame",
           schedule: Literal["batch", "cosine", "online"] = "batch", optimizer: Literal["", "adam", "delta"] = "",
           loss: Literal["", "absolute", "squared"] = "", cycles: int | None = None, batch: int | None = None,
           rate: float | None = None, warm_up: float | None = None, average: float | None = None, validation: Set | None = None,
           patience: int | None = None, bound: bool = False, level: float | None = None, history: int | str = "",
-          history_change: float | None = None, device: str = "", progress: Shown = None) -> list[Network]:
+          history_change: float | None = None, target: Literal["slip_index", "force_ratio", "stick_fraction", "slid"] = "slip_index",
+          friction: bool = False, device: str = "", progress: Shown = None) -> list[Network]:
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 
     layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of mini-batches) or "6" (of the paper), or a list
-    of them. noise: standard deviation of added noise over the set's largest |stress|, or a list. scaling: "set" or "frame".
-    features: of scaling "frame"; "line" or "pad": one of all mirror images of a frame, and its sums, before the network.
+    of them. noise: standard deviation of added noise over the set's largest |stress|, or a list. scaling: "set", "frame" or
+    "rest", differences to the grip at rest. features: of scaling "frame" and "rest"; "line" or "pad": one of all mirror images of a frame, and its sums, before the network.
     schedule: "batch"; "cosine", mini-batches at a rate that warms up and falls to 0; or "online", the paper's rule. loss:
     "squared" (default) or "absolute". average: decay of the exponential mean of the weights (0: none). validation: a Set that
     judges each cycle; the weights of the smallest mean error are kept, and `patience` cycles without a smaller one end a
     training. bound: with the heads of an upper bound of S at `level` (0.95); `tactel calibrate bound` calibrates it. history:
     the last k frames kept by change of load (history_change, 0.1) as one input, "k" or "k:stride", of a set with press_rows.
-    A network that diverges has no entry.
+    target: the column to learn. friction: networks take mu as far as it is known, Alarm.friction. A network that diverges has no
+    entry.
     """
     noises = [noise] if isinstance(noise, (int, float)) else list(noise)
     with _Progress(progress, "training", "weight updates") as told:
         return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, features, schedule, optimizer, loss, cycles,
                               batch, rate, warm_up, average, validation, patience, bound, level, str(history),
-                              history_change, device, told)
+                              history_change, target, friction, device, told)
 
 
 _calls.check(globals(), __all__)

@@ -39,7 +39,7 @@ class Frames {
   std::vector<float> next() {
     std::vector<float> all;
     for (std::size_t s = 0; s < networks_.size(); ++s) {
-      const auto width = static_cast<std::size_t>(networks_[s]->stresses() / networks_[s]->history.frames);
+      const auto width = static_cast<std::size_t>(networks_[s]->numbers() / networks_[s]->history.frames);
       const std::size_t moving = number_ / 100 * 60 + std::min<std::size_t>(number_ % 100, 60);
       const auto time = static_cast<float>(moving + 13 * s);
       const bool rest = (number_ + s) % 89 == 0;

@@ -134,7 +134,7 @@ TEST(FeaturesTrainingOnDevice, NetworksAnswerImagesAsTheyAnswerTheFrames) {
     NetworkTraining<float> training(executor(), set, plan);
     ASSERT_TRUE(training.run());
     const nn::Model model = training.model(0, "bumps", {});
-    EXPECT_EQ(model.stresses(), 42);
+    EXPECT_EQ(model.numbers(), 42);
     const nn::Recall<float> own = nn::recall(model.weights, model.scaling, set.frames);
     const nn::Recall<float> other = nn::recall(model.weights, model.scaling, mirrored);
     const float difference = (own.slip_index - other.slip_index).cwiseAbs().maxCoeff();

@@ -153,6 +153,8 @@ class TACTEL_API LiveEstimator {
   /// Takes the next frame of every sensor: [inputs()] MPa, sensor by sensor, and writes answers [sensors()]. Allocates
   /// nothing in host code. Throws InputError for other sizes, HardwareError where the device fails.
   void estimate(std::span<const float> frames, std::span<Answer> answers);
+  /// As SlipHistory::friction, of every sensor whose network takes it.
+  void friction(float mu, float spread);
   /// Seeks the rest of every sensor anew from the next frame on.
   void rest();
   /// Forgets all frames.

@@ -17,8 +17,8 @@ struct TrainOptions {
                                                     ///< "batch" also "42-96-96-1_leaky-relu"
   std::uint64_t seeds = 1, first_seed = 1;          ///< each topology and noise with each seed
   std::vector<double> noises{0.0};  ///< standard deviation of added noise over the set's largest |stress|
-  std::string scaling = "set";      ///< "set" or "frame"
-  std::string features = "frame";  ///< of scaling "frame": "line" or "pad", one of all mirror images of a frame and its
+  std::string scaling = "set";      ///< "set", "frame" or "rest"
+  std::string features = "frame";  ///< of scaling "frame" or "rest": "line" or "pad", one of all mirror images of a frame and its
                                    ///< sums before the network; "line" learns |S|
   std::string schedule = "online";  ///< "online" (the paper's rule), "batch", or "cosine": mini-batches at a rate that
                                     ///< warms up and falls to 0 as a cosine
@@ -37,6 +37,8 @@ struct TrainOptions {
   std::optional<double> level{};  ///< of the bound: the probability that S is below it (default: 0.95)
   std::string history{};          ///< "k" or "k:stride": the last k kept frames as one input, of a set with press_rows
   std::optional<double> history_change{};  ///< a frame is kept that differs by more, over the largest stress (0.1)
+  std::string target = "slip_index";       ///< column to learn: "slip_index", "force_ratio", "stick_fraction", "slid"
+  bool friction = false;                   ///< networks take mu as far as it is known, Alarm::friction
 };
 
 /// Errors |S of a network - S of a set|.

@@ -54,7 +54,8 @@ class TACTEL_API SlipEstimator {
   SlipEstimator(const SlipEstimator&) noexcept;
   SlipEstimator& operator=(const SlipEstimator&) noexcept;
 
-  /// Returns the numbers of an input: a normal and a shear stress for each tactel, in each of frames() frames.
+  /// Returns the numbers of an input: a normal and a shear stress for each tactel, in each of frames() frames, and what
+  /// takes_friction().
   std::size_t inputs() const noexcept;
   /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first, and behind them the rest
   /// where needs_rest(). SlipHistory gathers them.
@@ -67,6 +68,9 @@ class TACTEL_API SlipEstimator {
   float smallest_peak() const noexcept;
   /// Returns whether the network reads changes since the grip was at rest (`tactel train --scaling rest`).
   bool needs_rest() const noexcept;
+  /// Returns whether the network takes what is known of friction (`tactel train --friction`): the last two numbers of an
+  /// input are mu, 0 where it is not known, and its relative standard deviation.
+  bool takes_friction() const noexcept;
   /// Returns the threshold of an alarm that the file of a network of `slid` has (`tactel train --alarm-at`). 0: none.
   float alarm_at() const noexcept;
 
@@ -114,6 +118,9 @@ class TACTEL_API SlipHistory {
   /// Takes the sensor's next frame [inputs] MPa and returns S. Every frame of the sensor must pass, at any rate.
   /// Allocates nothing, takes no lock and throws nothing.
   Answer estimate(std::span<const float> frame) noexcept;
+  /// Tells a network that takes friction mu, above 0, and its relative standard deviation, 0 or more; 0: mu is not known,
+  /// as in the beginning.
+  void friction(float mu, float spread) noexcept;
   /// Seeks the rest anew from the next frame on.
   void rest() noexcept;
   /// Forgets all frames: the next one begins a contact.
@@ -196,6 +203,8 @@ class TACTEL_API Alarm {
   /// The same for an answer that was estimated elsewhere, as on a device: takes no frame into its own history.
   AlarmAnswer answer(std::span<const float> frame, const Answer& estimated) noexcept;
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
+  /// As SlipHistory::friction. Throws InputError for numbers out of range and a network that does not take friction.
+  void friction(double mu, double spread);
   /// Seeks rest anew from the next frame on: call it where the hand has changed its grip and holds still. Ends an alarm
   /// that needs the rest.
   void rest() noexcept;
