@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -193,6 +194,38 @@ TEST(WithHistory, ARestIsAnyOfThoseThatHold) {
   std::array<int, rows> taken{};
   for (int row = rows - 1; row < contacts * rows; row += rows) ++taken[static_cast<std::size_t>(formed.frames(row, 3))];
   for (int i = 0; i < rows - 1; ++i) EXPECT_NEAR(taken[static_cast<std::size_t>(i)], 333, 104) << i;
+}
+
+// Told exactly, not at all, and drawn: a quarter is silent (six standard deviations of 20 000 are 0.018), the logarithm of
+// the spread is even between those of 0.02 and 1 (mean -1.956, deviation 3.912 / sqrt(12)), and so many spreads apart from
+// mu is a normal number.
+TEST(WithHistory, FrictionIsToldWithItsSpread) {
+  constexpr int rows = 20000;
+  FrameSet set{.frames = RowMatrix<float>::Constant(rows, 2, -1), .slip_index = Vector<float>::Zero(rows)};
+  for (int row = 0; row < rows; ++row) set.contact.push_back(static_cast<std::uint64_t>(row)), set.step.push_back(0);
+  set.friction.assign(rows, 0.6f);
+  const FrameSet exact = with_history(set, {.friction = true}, 0.0);
+  EXPECT_EQ(exact.told, 2);
+  EXPECT_EQ(exact.frames.row(7), (Eigen::RowVector4f{-1, -1, 0.6f, 0}));
+  EXPECT_EQ(with_history(set, {.friction = true}, INFINITY).frames.rightCols(2), (RowMatrix<float>::Zero(rows, 2)));
+  const FrameSet drawn = with_history(set, {.friction = true});
+  double silent = 0, logs = 0, normal = 0, squares = 0;
+  for (int row = 0; row < rows; ++row) {
+    const float mu = drawn.frames(row, 2), spread = drawn.frames(row, 3);
+    silent += mu == 0;
+    if (mu == 0) continue;
+    const double apart = std::log(mu / 0.6) / spread;
+    logs += std::log(spread), normal += apart, squares += apart * apart;
+  }
+  const double told = rows - silent;
+  EXPECT_NEAR(silent / rows, 0.25, 0.018);
+  EXPECT_NEAR(logs / told, std::log(0.02) / 2, 0.056);
+  EXPECT_NEAR(normal / told, 0, 0.05);
+  EXPECT_NEAR(squares / told, 1, 0.07);
+  EXPECT_EQ(with_noise(drawn, 0.1, 3).frames.rightCols(2), drawn.frames.rightCols(2));
+  EXPECT_EQ(drawn.largest_stress(), 1);
+  set.friction.clear();
+  EXPECT_THROW(with_history(set, {.friction = true}), ValueError);
 }
 
 TEST(WithHistory, DifferencesAreToTheNewestFrame) {

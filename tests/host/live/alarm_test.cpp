@@ -323,6 +323,27 @@ TEST(Alarm, ANetworkByTheRestHasAThresholdOfItsOwn) {
   EXPECT_THAT(thrown_message<InputError>([&] { Alarm(network, {.touch = 0}); }), HasSubstr("touch: 0"));
 }
 
+// A network whose output is 10 mu / (mu + 0.5) less 4 of what is told: S by hand.
+TEST(Alarm, TellsFriction) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology({6, 1, 1}, nn::Activation::leaky_relu), 7);
+  std::ranges::fill(weights.values, 0.0f);
+  weights.values[4] = 1, weights.values[weights.values.size() - 2] = 10, weights.values.back() = -4;
+  nn::Model model{weights, {.friction = true}, 7, 0, "", 0, {}};
+  model.history.friction = true;
+  Alarm alarm(estimator_of(model), {.at = 0.8f, .touch = 0.01});
+  ASSERT_EQ(alarm.inputs(), 4u);
+  const auto S = [&] { return alarm.next(grip(0.3f, 0.1f)).answer.slip_index; };
+  EXPECT_NEAR(S(), 1 / (1 + std::exp(-1.0)), 1e-6) << "not told: 1 / 2";
+  alarm.friction(0.75, 0.1);
+  EXPECT_NEAR(S(), 1 / (1 + std::exp(-2.0)), 1e-6) << "0.75 / 1.25 = 0.6";
+  alarm.friction(0, 0);
+  EXPECT_NEAR(S(), 1 / (1 + std::exp(-1.0)), 1e-6);
+  EXPECT_THAT(thrown_message<InputError>([&] { alarm.friction(-1, 0.1); }), HasSubstr("friction: -1"));
+  EXPECT_THAT(thrown_message<InputError>([&] { alarm.friction(0.5, NAN); }), HasSubstr("spread: nan"));
+  Alarm other(estimator_of(shear_network()), {});
+  EXPECT_THAT(thrown_message<InputError>([&] { other.friction(0.5, 0.1); }), HasSubstr("does not take friction"));
+}
+
 // A network gives S beside; the alarm acts on what it is told to.
 TEST(Alarm, RestBesideANetwork) {
   Alarm by_slip(estimator_of(shear_network()), {.at = 0.8f, .touch = 0.01, .rest = true}),

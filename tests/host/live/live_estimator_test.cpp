@@ -39,7 +39,7 @@ class Frames {
   std::vector<float> next() {
     std::vector<float> all;
     for (std::size_t s = 0; s < networks_.size(); ++s) {
-      const auto width = static_cast<std::size_t>(networks_[s]->numbers() / networks_[s]->history.frames);
+      const auto width = static_cast<std::size_t>(networks_[s]->scaling.width(networks_[s]->numbers()));
       const std::size_t moving = number_ / 100 * 60 + std::min<std::size_t>(number_ % 100, 60);
       const auto time = static_cast<float>(moving + 13 * s);
       const bool rest = (number_ + s) % 89 == 0;
@@ -73,6 +73,7 @@ void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& m
     const std::vector<float> all = frames.next();
     if (k == 150) host->clear(), kernel->clear();
     if (k == 200) host->rest(), kernel->rest();
+    if (k == 100) host->friction(0.4f, 0.2f), kernel->friction(0.4f, 0.2f);
     host->estimate(all, expected);
     kernel->estimate(all, found);
     for (std::size_t s = 0; s < sensors.size(); ++s) {
@@ -114,6 +115,13 @@ nn::Model by_rest() {
   return model;
 }
 
+/// A network of four tactels that takes friction.
+nn::Model with_friction() {
+  nn::Model model = plain("10-6-1");
+  model.scaling.friction = model.history.friction = true;
+  return model;
+}
+
 TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
   const std::vector<nn::Model> models{with_history()};
   for (const std::size_t sensors : {1u, 2u, 17u, 33u})  // around the kernel's vectors and tiles
@@ -124,10 +132,10 @@ TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
 
 // Networks of one topology share a launch; one of another is between them.
 TEST(LiveEstimator, EachSensorHasItsOwnNetwork) {
-  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history(), of_pad(), by_rest()};
+  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history(), of_pad(), by_rest(), with_friction()};
   for (float& w : models[2].weights.values) w *= 0.7f;
   models[2].bound->unlike_above *= 0.5f;
-  expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 4, 0, 2, 3, 4});
+  expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 4, 5, 0, 2, 3, 4, 5});
 }
 
 }  // namespace

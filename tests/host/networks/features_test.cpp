@@ -34,7 +34,12 @@ const Case line{"line", {by_frame, 1, 1, 2, Features::line, 21, false, 0.5f}, 42
     oblong{"oblong pad", {by_frame, 1, 1, 3, Features::pad, 3, false, 0.5f}, 36},
     history{"pad with history", {by_frame, 1, 4, 3, Features::pad, 2, true, 0.5f}, 48},
     rest{"rest", {by_rest, 1, 2, 3}, 96}, rest_of_line{"line by rest", {by_rest, 1, 2, 2, Features::line, 21}, 84},
-    rest_and_history{"pad by rest with history", {by_rest, 1, 4, 3, Features::pad, 4, true}, 192};
+    rest_and_history{"pad by rest with history", {by_rest, 1, 4, 3, Features::pad, 4, true}, 192},
+    friction_by_set{"friction by set", {.largest_stress = 1.3f, .friction = true}, 44},
+    friction_by_rest{"friction by rest", {.kind = by_rest, .history = 2, .axes = 3, .friction = true}, 98},
+    friction{"friction",
+             {.kind = by_frame, .axes = 3, .features = Features::pad, .columns = 4, .square = true, .friction = true},
+             50};
 
 nn::Model model_of(const Case& c, const char* hidden = "16-9-1") {
   std::vector<int> widths = nn::Topology::parse(hidden).widths();
@@ -42,6 +47,7 @@ nn::Model model_of(const Case& c, const char* hidden = "16-9-1") {
   nn::Model model{nn::initial_weights(nn::Topology(widths), 3), c.scaling, 3, 0, "none", 1, {}};
   for (float& weight : model.weights.values) weight *= 3;  // S well away from 0.5
   model.history.frames = c.scaling.history, model.history.rest = c.scaling.kind == by_rest;
+  model.history.friction = c.scaling.friction;
   model.magnitude = c.scaling.features == Features::line;
   return model;
 }
@@ -49,17 +55,20 @@ nn::Model model_of(const Case& c, const char* hidden = "16-9-1") {
 /// Some frames; three have no answer of their own: NaN, no stress, stress that is no normal number.
 nn::RowMatrix<float> frames_of(const Case& c) {
   nn::RowMatrix<float> frames = bumps(203, c.stresses, 4).frames;
-  const int normals = c.scaling.normals(c.stresses), width = c.stresses / c.scaling.history;
+  const int normals = c.scaling.normals(c.stresses), width = c.scaling.width(c.stresses);
   frames.leftCols(normals).array() -= 0.1f;
   if (c.scaling.kind == by_rest) {
     std::mt19937 random(3);
     std::uniform_real_distribution<float> uniform(-0.5f, 0.5f);
     for (float& stress : frames.reshaped()) stress += uniform(random);  // each frame has shear, whose image is no tie
-    frames.rightCols(width).leftCols(normals).array() -= 1;
+    frames.middleCols(width * (c.scaling.history - 1), normals).array() -= 1;
   }
+  if (c.scaling.friction)
+    for (int row = 0; row < 203; ++row)
+      frames.row(row).tail(2) << 0.05f * static_cast<float>(row % 30), 0.01f * static_cast<float>(row % 60);  // also 0
   frames(5, 1) = NAN;
   frames.row(6).setZero();
-  frames.row(7) *= 1e38f;
+  frames.row(7) *= c.scaling.kind == nn::ScalingKind::set ? 1e30f : 1e38f;
   return frames;
 }
 
@@ -79,7 +88,7 @@ TEST_P(FeaturesOnDevice, KernelTwinAndLibraryAgree) {
   EXPECT_EQ(d.status, truth.status);
   EXPECT_EQ(f.status, truth.status);
   EXPECT_EQ(f.status[5], FrameStatus::not_finite);
-  EXPECT_EQ(f.status[6], FrameStatus::no_stress);
+  EXPECT_EQ(f.status[6], c.scaling.kind == nn::ScalingKind::set ? FrameStatus::ok : FrameStatus::no_stress);
   for (int row = 0; row < 203; ++row) {
     const Answer answer = library.estimate({frames.row(row).data(), static_cast<std::size_t>(c.stresses)});
     EXPECT_EQ(static_cast<int>(answer.status), static_cast<int>(f.status[static_cast<std::size_t>(row)])) << row;
@@ -110,7 +119,8 @@ TEST_P(FeaturesOnDevice, FileMeansTheSameToAnotherRuntime) {
   for (int row = 0; row < 203; ++row) EXPECT_NEAR(s(row), own.slip_index(row), 1e-5) << row;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FeaturesOnDevice, ::testing::Values(line, square, oblong, history, rest, rest_of_line, rest_and_history), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(All, FeaturesOnDevice, ::testing::Values(line, square, oblong, history, rest, rest_of_line, rest_and_history,
+                                                               friction_by_set, friction_by_rest, friction), [](const auto& info) {
   std::string name = info.param.name;
   std::ranges::replace(name, ' ', '_');
   return name;
