@@ -8,8 +8,8 @@ namespace tactel::infer {
 
 /// `at` of an alarm of `moved` over the largest of a hold; half of P elsewhere is no hold.
 inline constexpr double hold_margin = 1.2, most_moved = 0.5;
-/// Least `at` of an alarm of `slid` after a hold: 0.5 % of the elastic limit is no slide.
-inline constexpr double least_slid = 0.005;
+/// Least `at` of an alarm of `slid` after a hold: 0.1 % of the elastic limit is no slide.
+inline constexpr double least_slid = 0.001;
 
 /// The stresses of a sensor while a grip rests, and how far later frames have moved from them.
 ///
