@@ -8,6 +8,7 @@
 #include "fem/value_error.h"
 #include "kernels/shared/frame_status.h"
 #include "kernels/shared/network_work.h"
+#include "nn/features.h"
 
 namespace tactel::host {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 static_assert(int(nn::FrameStatus::ok) == FRAME_OK && int(nn::FrameStatus::no_stress) == FRAME_NO_STRESS);
 static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::FrameStatus::overflow) == FRAME_OVERFLOW);
 static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
-static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
+static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS && nn::least_divisor == LEAST_DIVISOR);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 
 void check_width(const nn::Topology& topology, int stresses, int given) {

@@ -10,7 +10,6 @@
 #define FEATURE_AXES (FEATURES_PAD ? 3 : 2)
 #define FEATURE_SUMS (FEATURES_PAD ? 17 : 8)
 #define FRAME_NUMBERS (FEATURE_AXES * GRID_TACTELS)
-#define LEAST_DIVISOR 0.2f /* nn::least_divisor */
 
 INLINE void swap_where(vint where, vreal *a, vreal *b) {
   const vreal was = *a;

@@ -102,7 +102,7 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
   std::fill_n(scaled, network.scaling.inputs(inputs), 0.0f);
   if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
   float factor = network.factor, scale = 1, largest = 0;
-  if (network.by_frame) {
+  if (network.scaling.kind == nn::ScalingKind::frame) {
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
     if (largest < nn::InputScaling::smallest_stress) return AnswerStatus::no_stress;
     if (largest > nn::InputScaling::large_stress) scale = nn::InputScaling::large_scale;
