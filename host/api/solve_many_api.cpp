@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "fem/load_stepping.h"
-#include "fem/pad/pad_presses.h"
 #include "host/answers/rung_for_many.h"
 #include "host/answers/step_quantities.h"
 #include "host/api/scene_conversion.h"
@@ -16,7 +15,6 @@
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
-#include "kernels/shared/pad_layout.h"
 
 namespace tactel {
 namespace {
@@ -216,7 +214,7 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
     const host::ContactStream stream(executor, std::move(model));
     const bool all = stream.solve(
         modelled.empty() ? scenes : modelled,
-        [&](std::size_t k, const host::LaneAnswer& answer) {
+        [&](std::size_t k, const host::LaneAnswer& answer, auto&&) {
           arrays.put(which[k], answer, scenes[which[k]], parts[k]);
         },
         [&](std::size_t k, fem::ContactSolution&& solution) {
@@ -301,23 +299,15 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
     PathArrays<host::PadContacts, PadPaths> arrays(all);
     if (!all.empty())
       std::ranges::copy(all[0].sensor.tactels, arrays.paths.tactels.begin()), arrays.paths.axes = all[0].sensor.axes;
-    std::vector<std::pair<std::size_t, std::size_t>> coarse;  // scene, step of the pressing
     const bool solved = stream.solve(
         all,
-        [&](std::size_t i, const host::LaneAnswer& answer) {
+        [&](std::size_t i, const host::LaneAnswer& answer, host::PadStream::Alone&& alone) {
           arrays.put(i, answer, all[i]);
-          const auto across = [&](std::size_t k) {
-            return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
-          };
-          for (const std::size_t k : fem::coarse_presses(all[i].load, rung.cells, across)) coarse.emplace_back(i, k);
+          for (const auto& [step, solution] : alone) arrays.put_alone(i, step, solution);
         },
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
-    std::vector<fem::PadScene> alone;
-    for (const auto& [i, k] : coarse) alone.push_back(fem::pressed_alone(all[i], k));
-    const std::vector<fem::PadSolution> found = stream.solve(alone);
-    for (std::size_t a = 0; a < coarse.size(); ++a) arrays.put_alone(coarse[a].first, coarse[a].second, found[a]);
     for (std::size_t i = 0; i < all.size(); ++i)
       api::with_public_errors(
           [&] {

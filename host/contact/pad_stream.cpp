@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "fem/pad/pad_presses.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
 #include "host/support/stop_scope.h"
@@ -92,6 +91,13 @@ std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::
         return std::make_shared<OnPads<Real>>(contact);
       },
       contact_);
+}
+
+std::vector<std::size_t> PadContacts::coarse(const fem::PadScene& scene, const LaneAnswer& answer) const {
+  const int cells = std::visit([](const auto& contact) { return contact.options().cells; }, contact_);
+  return fem::coarse_presses(scene.load, cells, [&](std::size_t k) {
+    return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
+  });
 }
 
 bool every_step_converged(const fem::PadSolution& solution) {

@@ -139,7 +139,7 @@ TEST_P(RandomPads, NoneIsUnsettled) {
   double worst = 0;
   stream.solve(
       scenes,
-      [&](std::size_t i, const LaneAnswer& answer) {
+      [&](std::size_t i, const LaneAnswer& answer, auto&&) {
         ++in_place;
         for (int k = 0; k < answer.steps; ++k, ++steps) {
           for (int row = RESULT_PENETRATION; row <= PAD_RESULT_ANGLE; ++row)

@@ -50,7 +50,7 @@ struct Taken {
       const std::function<bool(std::size_t)>& progress = [](std::size_t) { return true; }) {
     return stream.solve(
         scenes,
-        [&](std::size_t i, const LaneAnswer& answer) {
+        [&](std::size_t i, const LaneAnswer& answer, auto&&) {
           ++in_place[i];
           const std::array<int, 2> tactels = scenes[i].sensor.tactels;
           std::vector<double> stress(static_cast<std::size_t>(3 * tactels[0] * tactels[1]));
