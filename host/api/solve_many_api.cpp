@@ -174,11 +174,9 @@ class PathArrays {
 };
 
 /// The answers of scenes of the line, without warnings.
-Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene> scenes,
-                  const ProgressFunction& progress) {
+Paths solve_paths(const SolveOptions& options, std::span<const fem::Scene> scenes, const ProgressFunction& progress) {
   host::Executor executor{host::Device(options.device)};
-  host::SolveOptions modelling;
-  modelling.rung = options.rung, modelling.accuracy = options.accuracy;
+  const SolveOptions modelling{.accuracy = options.accuracy, .rung = options.rung};
   const std::optional<host::Rung> asked =
       host::rung_for_many(executor, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
   host::Rung rung = asked.value_or(host::usual_patch());
@@ -234,12 +232,6 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
   return paths;
 }
 
-host::PadContactOptions kernel_of(const host::PadRung& rung, const std::optional<double>& tolerance) {
-  host::PadContactOptions kernel{.cells = rung.cells, .increments = rung.increments};
-  if (tolerance) kernel.tolerance = 0, kernel.accept = *tolerance;
-  return kernel;
-}
-
 void check_tactels(std::span<const fem::PadScene> scenes) {
   const auto text = [](const fem::PadSensor& sensor) {
     return std::to_string(sensor.tactels[0]) + " x " + std::to_string(sensor.tactels[1]) + " of " +
@@ -253,7 +245,7 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
 
 /// Returns the rung that is named, or the cheapest that keeps the accuracy on at most host::most_tried of the scenes,
 /// or the usual one.
-host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& options,
+host::PadRung rung_for_pads(host::Executor& executor, const SolveOptions& options,
                             std::span<const fem::PadScene> scenes) {
   if (const auto rung = host::pad_rung_for_many(options)) return *rung;
   if (!options.accuracy) return host::usual_pad_rung();
@@ -261,7 +253,7 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
   const std::size_t count = std::min<std::size_t>(scenes.size(), host::most_tried);
   for (std::size_t k = 0; k < count; ++k) sample.push_back(scenes[host::chosen_row(k, count, scenes.size())]);
   const std::vector<host::PadRung>& rungs = host::pad_rungs();
-  const host::PadContact<float> rough(executor, kernel_of(rungs.front(), {}));
+  const host::PadContact<float> rough(executor, host::model_of(rungs.front()).options);
   const std::vector<fem::PadSolution> solutions =
       host::solve_pad_contact(rough, std::span<const fem::PadScene>(sample));
   const auto keeps = [&](const host::PadRung& rung) {
@@ -280,7 +272,8 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
 Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, const ProgressFunction& progress) {
   const std::vector<fem::Scene> all = api::checked_scenes(scenes);
   return api::with_public_errors([&] {
-    Paths paths = solve_paths(api::to_host_for_many(options), all, progress);
+    api::check_for_many(options);
+    Paths paths = solve_paths(options, all, progress);
     paths.warnings = host::unit_warnings(all);
     progress(all.size(), all.size());
     return paths;
@@ -291,11 +284,13 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
   const std::vector<fem::PadScene> all = api::checked_scenes(scenes);
   return api::with_public_errors([&] {
     check_tactels(all);
-    const host::SolveOptions asked = api::to_host_for_many(options);
+    api::check_for_many(options);
     host::Executor executor{host::Device(asked.device)};
-    const host::PadRung rung = rung_for_pads(executor, asked, all);
-    const host::Precision precision = asked.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-    const host::PadStream stream(executor, {kernel_of(rung, asked.tolerance), precision});
+    const host::PadRung rung = rung_for_pads(executor, options, all);
+    host::PadModel model = host::model_of(rung);
+    model.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
+    const host::PadStream stream(executor, model);
     PathArrays<host::PadContacts, PadPaths> arrays(all);
     if (!all.empty())
       std::ranges::copy(all[0].sensor.tactels, arrays.paths.tactels.begin()), arrays.paths.axes = all[0].sensor.axes;
@@ -316,7 +311,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
           },
           "scenes[" + std::to_string(i) + "]");
     PadPaths paths = arrays.take();
-    paths.rung = rung.name, paths.precision = host::name(precision), paths.device = executor.device().info().name;
+    paths.rung = rung.name, paths.precision = host::name(model.precision), paths.device = executor.device().info().name;
     paths.warnings = host::unit_warnings(std::span<const fem::PadScene>(all));
     progress(all.size(), all.size());
     return paths;

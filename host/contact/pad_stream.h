@@ -16,7 +16,7 @@ namespace tactel::host {
 
 /// How contacts on pads are solved.
 struct PadModel {
-  PadContactOptions options{};
+  fem::PadOptions options{};
   Precision precision = Precision::fp32;
 };
 PadModel model_of(const PadRung& rung);

@@ -376,7 +376,7 @@ int rows_of_tactels(const fem::Sensor&) { return 1; }
 int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
 
 PadModel model_for(Executor&, const PadSource& source, const SetOptions& options) {
-  PadModel model{{.cells = options.pad.cells, .increments = options.pad.increments}, options.precision};
+  PadModel model{{.cells = options.pad.cells, .pressing_increments = options.pad.increments}, options.precision};
   model.options.any_poisson = source.own_sensors() && source.own_sensors()->any_poisson;
   if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
   return model;

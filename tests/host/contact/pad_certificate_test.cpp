@@ -14,11 +14,6 @@
 namespace tactel::host {
 namespace {
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 /// The laws of fem/pad/pad_contact.h from the forces of an answer, step after step. All increments of its path must be
 /// asked.
 class Audit {

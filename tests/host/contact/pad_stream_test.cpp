@@ -14,11 +14,6 @@
 namespace tactel::host {
 namespace {
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 /// Scenes of two Poisson's ratios, some with their own, two arrays of tactels and any thickness and E; some by force.
 std::vector<fem::PadScene> pad_scenes(std::size_t count) {
   fem::PadMix draw(11);
@@ -181,7 +176,7 @@ TEST(PadStream, AnswersOnCellsThatAreTooSmallDoNotHold) {
   std::vector<fem::PadScene> scenes(2);
   for (fem::PadScene& scene : scenes) scene.load.indentation = {0.25};
   const std::vector<fem::PadCells> cells{{.n = 8, .hx = 0.2, .hy = 0.25}, {.n = 8, .hx = 0.5, .hy = 0.5}};
-  const PadContactOptions options{.cells = 8};
+  const fem::PadOptions options{.cells = 8};
   auto batch = PadContact<float>(executor(), options).prepare(scenes, cells);
   batch.run();
   const auto solver = PadContacts(executor(), {.options = options}).solver(scenes[0].sensor);
