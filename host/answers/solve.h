@@ -19,6 +19,7 @@ namespace tactel::host {
 /// Returns the solvers of this build: "full-mesh" is of lines, "twin" of pads, which needs no device.
 std::vector<std::string> solver_names();
 
+using tactel::SolveOptions;
 struct ContactDerivatives;
 struct Convergence;
 

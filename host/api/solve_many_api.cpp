@@ -285,7 +285,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
   return api::with_public_errors([&] {
     check_tactels(all);
     api::check_for_many(options);
-    host::Executor executor{host::Device(asked.device)};
+    host::Executor executor{host::Device(options.device)};
     const host::PadRung rung = rung_for_pads(executor, options, all);
     host::PadModel model = host::model_of(rung);
     model.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
