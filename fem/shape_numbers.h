@@ -27,9 +27,13 @@ struct Number {
 template <class T, class M, class... Rest>
 Number(const char*, const char*, M T::*, Rest...) -> Number<T, M>;
 
-/// The table of a struct: a tuple of Numbers, in the order of files and JSON.
+/// The table of a struct: a tuple of Numbers, in the order of files and JSON. A struct without one does not compile.
 template <class T>
-inline constexpr std::tuple<> numbers{};
+struct NoTable;
+template <class T>
+inline constexpr NoTable<T> numbers;
+template <>
+inline constexpr std::tuple<> numbers<Profile>{};
 
 // What shapes are called in files, in the order of their variants.
 inline constexpr std::array line_shapes{"flat",      "wedge",        "parabola", "cylinder", "exponential",

@@ -8,7 +8,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_search.h"
 #include "fem/path_derivatives.h"
-#include "fem/shape_numbers.h"
+#include "fem/scene_numbers.h"
 #include "host/contact/limits.h"
 
 namespace tactel::host {

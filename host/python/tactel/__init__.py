@@ -22,7 +22,7 @@ from . import _driver as _driver, _calls, _tactel
 from ._tactel import *  # noqa: F403
 from ._tactel import __version__
 
-__all__ = sorted([name for name in vars(_tactel) if not name.startswith("_")] + ["Sweep", "solve_many", "train"])
+__all__ = sorted({name for name in vars(_tactel) if not name.startswith("_")} | {"solve_many", "train"})
 
 if _typing.TYPE_CHECKING:  # names of types, for the functions below and the module; the build makes __init__.pyi of all
     import os
