@@ -112,7 +112,7 @@ Derivatives derivatives_of(const host::ContactDerivatives& from) {
   return all;
 }
 
-SolveOptions checked(SolveOptions options) {
+SolveOptions options_of_line(SolveOptions options) {
   api::check_precision(options.precision);
   if (options.solver != "batched" && options.solver != "full-mesh" && options.solver != "reference")
     throw ConfigError("command line", "--solver", options.solver, "batched or full-mesh");
@@ -126,7 +126,7 @@ Path solve(const Scene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
     const fem::Scene made = api::to_fem(scene);
     made.validate();
-    host::SolveOutcome outcome = host::solve(made, checked(options));
+    host::SolveOutcome outcome = host::solve(made, options_of_line(options));
     if (options.estimate_error) host::estimate_error(outcome);
     Path path = path_of(outcome);
     if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(made, outcome));
