@@ -91,7 +91,6 @@ PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
 
 const char* shape_name(const PadShape& shape) {
   static_assert(pad_shapes.size() == std::variant_size_v<PadShape>);
-  static_assert(pad_shapes.size() == std::variant_size_v<PadShape>);
   return pad_shapes[shape.index()];
 }
 

@@ -553,7 +553,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         return source_.contact(chunk.contacts[k].number).scene;
       },
       [&](std::size_t k, const LaneAnswer& answer) { return to_solve_alone(answer, chunk.contacts[k]); },
-      [&](std::size_t k, const LaneAnswer& answer, auto&& solved_alone) {
+      [&](std::size_t k, const LaneAnswer& answer, typename StreamOf<Contacts>::Alone&& solved_alone) {
         if (!solved_alone.empty()) alone.emplace(k, std::move(solved_alone));
         rows[k + 1] = survey(set, steps_of(answer, chunk, k, alone), chunk.contacts[k]);
         answered();
