@@ -77,7 +77,7 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
   batch.run();
   // The twin sweeps without damping. On fine meshes it may go round in circles where the kernel converges; the
   // active-set method answers then.
-  const fem::GapSweep<double> twin(sweep.condensation(), {.most_sweeps = 2000});
+  const fem::GapSweep<double> twin(sweep.condensation(), 1e-11, 2000);
   const fem::GapCondensed active_set(sweep.condensation());
   double worst = 0;
   const std::size_t checked = sensor.columns > 321 ? 4 : 16;  // one takes the twin seconds on the finest mesh
@@ -132,9 +132,7 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
 template <class Real>
 void eigen(benchmark::State& state, char which, double tolerance) {
   const fem::Condensation condensation = fem::condense_cached(mesh(which), fem::default_cache_directory());
-  fem::GapSweepOptions options;
-  options.tolerance = tolerance;
-  const fem::GapSweep<Real> sweep(condensation, options);
+  const fem::GapSweep<Real> sweep(condensation, tolerance);
   const auto scenes = random_parabolas(mesh(which), 64);
   std::size_t next = 0;
   for (auto _ : state) benchmark::DoNotOptimize(sweep.solve(scenes[next++ % scenes.size()]).steps.back().P);

@@ -89,7 +89,7 @@ void pads(int first, int count, std::uint64_t seed) {
     finer.scene = mix();
     if (i < first) continue;
     const fem::PadLayer layer = fem::pad_layer(finer.scene.sensor.poisson);
-    finer.solution = fem::PadReference(layer, {.cells = 96}).solve(finer.scene).solution;
+    finer.solution = fem::PadReference(layer, fem::pad_reference_options(96)).solve(finer.scene).solution;
     add(all, i, converge(finer, i % finer.solution.steps.size()));
   }
   fmt::print("pads {} to {} of seed {}\n", first, count - 1, seed);

@@ -170,7 +170,8 @@ int run(std::size_t count, std::uint64_t seed, const char* file) {
     fmt::print("\n{}; judge: {}; median and 95 % of each error, unsolved\n", source.what, description(source.judge));
     std::vector<MeasuredModel> models;
     for (const Rung& rung : source.models) {
-      models.push_back(judged_model(scenes, solve_on_rung(executor, scenes, rung, false), rung, judge, source.judge));
+      const Answers answers = solve_on_rung(executor, scenes, rung, false);
+      models.push_back(judged_model(rung, answers, answer_errors(scenes, answers, rung, judge, source.judge)));
       print(models.back());
     }
     if (source.what != "elements of the reference") continue;

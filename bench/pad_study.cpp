@@ -55,7 +55,8 @@ void each_number(fem::PadReferenceSolution& answer, F f) {
 /// The reference's answer to a scene: from a file of an earlier run, or solved and written there.
 fem::PadReferenceSolution reference(const fem::PadScene& scene, const std::string& path) {
   const int drags = std::max<int>(1, static_cast<int>(scene.load.drags.size()));
-  const fem::PadReferenceOptions options{.cells = 48, .drag_increments = std::clamp(24 / drags, 4, 12)};
+  fem::PadOptions options = fem::pad_reference_options(48);
+  options.drag_increments = std::clamp(24 / drags, 4, 12);
   fem::PadReferenceSolution answer;
   if (std::ifstream in(path); !path.empty() && in) {
     answer.solution.cells.n = options.cells;

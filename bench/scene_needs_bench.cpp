@@ -176,7 +176,7 @@ void symmetric(benchmark::State& state, bool half) {
   const fem::Condensation full = fem::condense_cached(mesh('B'), fem::default_cache_directory());
   const Scenes scenes = parabolas(mesh('B'), 64, pressed(4));
   const fem::Condensation folded = fold(full);
-  const fem::GapSweep<float> whole(full, {.tolerance = tolerance}), right(folded, {.tolerance = tolerance});
+  const fem::GapSweep<float> whole(full, tolerance), right(folded, tolerance);
   const auto solve = [&](const fem::GapSweep<float>& sweep) {
     Solutions answers;
     for (const fem::Scene& scene : scenes) answers.push_back(sweep.solve(scene));

@@ -55,8 +55,8 @@ double growth(const LoadStep& now, const LoadStep& last, const LoadStep& before)
 }  // namespace
 
 template <class Real>
-GapSweep<Real>::GapSweep(const Condensation& condensation, const GapSweepOptions& options)
-    : condensation_(condensation), options_(options) {
+GapSweep<Real>::GapSweep(const Condensation& condensation, double tolerance, int most_sweeps)
+    : condensation_(condensation), tolerance_(tolerance), most_sweeps_(most_sweeps) {
   const auto& c = condensation.compliance;
   const Eigen::Index columns = c.rows() / 2;
   to_uy_.resize(columns, 2 * columns);
@@ -115,7 +115,7 @@ void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) co
     Real largest_uy = 0;
     for (int i = 0; i < columns; ++i) largest_uy = std::max(largest_uy, std::abs(uy(i, c.force)));
     for (int i = 0; i < columns; ++i)
-      if (!c.active[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(options_.tolerance) * largest_uy)
+      if (!c.active[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(tolerance_) * largest_uy)
         penetrated.push_back(i);
     for (int i : penetrated) activate(i);
     return !penetrated.empty();
@@ -139,9 +139,9 @@ void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) co
     bool converged = true;
     do {
       converged = false;
-      while (!converged && sweeps < options_.most_sweeps) {
+      while (!converged && sweeps < most_sweeps_) {
         ++sweeps;
-        converged = sweep() <= static_cast<Real>(sweep_tolerance(options_.tolerance, scene.friction));
+        converged = sweep() <= static_cast<Real>(sweep_tolerance(tolerance_, scene.friction));
       }
     } while (converged && activate_penetrated());
     if (!record(c, step, sweeps, converged, profile)) return;

@@ -26,6 +26,8 @@ inline constexpr auto numbers<Sensor> = std::tuple{
     Number{"tactel_width", "mm", &Sensor::tactel_width, "a number of mm, 0 (a point) or more", "mm; 0: points", false},
     Number{"stress", "", &Sensor::stress, "", "", false, false}};
 template <>
+inline constexpr std::tuple<> numbers<HeightMap>{};
+template <>
 inline constexpr auto numbers<PadIndenter> = std::tuple{
     Number{"position", "mm", &PadIndenter::position, "two numbers [x, y] of mm on the pad, [0, 0] in its middle",
            "mm, (x, y)", false, true, "position"},

@@ -27,9 +27,13 @@ struct Number {
 template <class T, class M, class... Rest>
 Number(const char*, const char*, M T::*, Rest...) -> Number<T, M>;
 
-/// The table of a struct: a tuple of Numbers, in the order of files and JSON.
+/// The table of a struct: a tuple of Numbers, in the order of files and JSON. A struct without one does not compile.
 template <class T>
-inline constexpr std::tuple<> numbers{};
+struct NoTable;
+template <class T>
+inline constexpr NoTable<T> numbers;
+template <>
+inline constexpr std::tuple<> numbers<Profile>{};
 
 // What shapes are called in files, in the order of their variants.
 inline constexpr std::array line_shapes{"flat",      "wedge",        "parabola", "cylinder", "exponential",
@@ -38,7 +42,8 @@ inline constexpr std::array pad_shapes{"sphere", "paraboloid", "cylinder", "punc
 
 inline constexpr const char *some_mm = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
                             *some_edge = "the radius of its rounding in mm, 0 for a sharp edge",
-                            *sharp_or_round = "mm, radius of the rounding; 0: sharp";
+                            *sharp_or_round = "mm, radius of the rounding; 0: sharp",
+                            *some_targets = "a number of mm, or an array of successive targets";
 
 // A line.
 template <>
@@ -113,15 +118,39 @@ inline constexpr auto numbers<Pad> = std::tuple{
     Number{"length", "mm", &Pad::length, "a number of mm along x", "mm along x; None: not known", false, false},
     Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false}};
 template <>
-inline constexpr auto numbers<Load> =
-    std::tuple{Number{"indentation", "mm", &Load::indentation, "", "mm: targets"},
-               Number{"normal_force", "N/mm", &Load::normal_force, "", "N/mm: targets in place of depths"},
-               Number{"indentation_steps", "", &Load::indentation_steps, "", "", false, false},
-               Number{"tangential", "mm", &Load::tangential, "", "mm: positions"},
-               Number{"tangential_step", "mm", &Load::tangential_step, "", "mm; 0: none"},
-               Number{"tangential_steps", "", &Load::tangential_steps, "", "None with a tangential_step: until sliding",
-                      false, false},
-               Number{"angle", "degrees", &Load::angle, "", "degrees; None: no angle"}};
+inline constexpr auto numbers<Load> = std::tuple{
+    Number{"indentation", "mm", &Load::indentation, some_targets, "mm: targets"},
+    Number{"normal_force", "N/mm", &Load::normal_force, "a number of N/mm, or an array of successive targets",
+           "N/mm: targets in place of depths"},
+    Number{"indentation_steps", "", &Load::indentation_steps, "a whole number of steps, at least 1", "", false, false},
+    Number{"tangential", "mm", &Load::tangential, "", "mm: positions"},
+    Number{"tangential_step", "mm", &Load::tangential_step, "", "mm; 0: none"},
+    Number{"tangential_steps", "", &Load::tangential_steps, "", "None with a tangential_step: until sliding", false,
+           false},
+    Number{"angle", "degrees", &Load::angle, "", "degrees; None: no angle"}};
+
+/// The load of a pad, as fem or users have it.
+template <class T>
+concept LoadOfPad = requires(T load) {
+  load.normal_force;
+  load.moves[0].twist;
+};
+template <LoadOfPad T>
+inline constexpr auto numbers<T> = [] {
+  const auto pressing = std::tuple{
+      Number{"indentation", "mm", &T::indentation, some_targets, "mm: targets"},
+      Number{"normal_force", "N", &T::normal_force, "a number of N, or an array of successive targets",
+             "N: targets in place of depths"},
+      Number{"indentation_steps", "", &T::indentation_steps, "a whole number of steps, 1 to 1000", "", false, false}};
+  if constexpr (requires { &T::twist; })
+    return std::tuple_cat(pressing,
+                          std::tuple{Number{"tangential", "mm", &T::tangential,
+                                            "an array of positions [x, y] in mm, at least one", "mm: positions (x, y)"},
+                                     Number{"twist", "degrees", &T::twist, "an array of degrees, at least one",
+                                            "degrees at these positions; empty: none"}});
+  else
+    return pressing;
+}();
 
 /// Calls use(number) for every number of a struct.
 template <class T, class Use>

@@ -19,6 +19,7 @@
 #include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
+#include "shared/force_search.h"
 
 /* Number of row r of a group's array, of vector v of EACH_VECTOR; from row to row. */
 #define AT(r) (((r)*VECTORS + v) * INTERLEAVED)
@@ -350,45 +351,12 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 }
 
 #if FORCE_CONTROL
-/* Search for the indenter's position z = (d, x) that gives the target forces: f = (P - P_target, Q - (Q_target /
-   P_target) P) = 0, by Broyden's inverse update (Broyden 1965). */
 typedef struct {
-  vreal b[2][2][VECTORS];             /* inverse Jacobian */
-  vreal z[2][VECTORS], g[2][VECTORS]; /* last trial: position; P and Q - (Q_target / P_target) P */
-  vreal low[VECTORS], high[VECTORS];  /* bracket of d */
-  vreal nearest[VECTORS];             /* depth at which the undeformed surface is touched */
-  vreal p_target[VECTORS], q_target[VECTORS];
+  ForceSearch of[VECTORS];
+  vreal nearest[VECTORS]; /* depth at which the undeformed surface is touched */
   vint by_force[VECTORS]; /* lanes whose normal target is a force */
   vint both[VECTORS];     /* lanes whose tangential target is also one */
 } Search;
-
-/* Inverse update with the trial (z, g) in the given lanes; b is unchanged where the step was too small. */
-static inline void broyden_update(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
-  const vreal dz0 = z[0] - s->z[0][v], dz1 = z[1] - s->z[1][v];
-  const vreal dg0 = g[0] - s->g[0][v], dg1 = g[1] - s->g[1][v];
-  const vreal e0 = dz0 - fma(s->b[0][0][v], dg0, s->b[0][1][v] * dg1);
-  const vreal e1 = dz1 - fma(s->b[1][0][v], dg0, s->b[1][1][v] * dg1);
-  const vreal r0 = fma(dz0, s->b[0][0][v], dz1 * s->b[1][0][v]);
-  const vreal r1 = fma(dz0, s->b[0][1][v], dz1 * s->b[1][1][v]);
-  const vreal below = fma(r0, dg0, r1 * dg1);
-  const vint use = lanes & (fabs(below) > (real)1e-2 * fma(dz0, dz0, dz1 * dz1));
-  const vreal per = PICK(use, 1 / below, ALL_LANES(0));
-  s->b[0][0][v] = fma(e0 * r0, per, s->b[0][0][v]);
-  s->b[0][1][v] = fma(e0 * r1, per, s->b[0][1][v]);
-  s->b[1][0][v] = fma(e1 * r0, per, s->b[1][0][v]);
-  s->b[1][1][v] = fma(e1 * r1, per, s->b[1][1][v]);
-  for (int a = 0; a < 2; ++a) {
-    s->z[a][v] = PICK(lanes, z[a], s->z[a][v]);
-    s->g[a][v] = PICK(lanes, g[a], s->g[a][v]);
-  }
-}
-
-/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no
-   bound yet. */
-static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
-  const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
-  return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
-}
 
 /* Moves the indenter of the active lanes towards the target forces. Leaves in in->active those that had not reached
    them. */
@@ -396,24 +364,10 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
   EACH_VECTOR {
-    const vreal ratio = PICK(s->both[v] & (s->p_target[v] > 0), s->q_target[v] / s->p_target[v], ALL_LANES(0));
     const vreal z[2] = {in->d[v], in->x[v]};
-    const vreal g[2] = {p[v], PICK(s->both[v], fma(-ratio, p[v], q[v]), ALL_LANES(0))};
-    const vreal miss[2] = {p[v] - s->p_target[v], g[1]};
-    const vreal enough = tolerance * s->p_target[v];
-    broyden_update(s, v, z, g, in->active[v]);
-    in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
+    vreal next[2];
+    in->active[v] &= next_trial(&s->of[v], z, p[v], q[v], in->active[v], s->both[v], tolerance, next);
     in->held[v] &= NOT(in->active[v]);
-    const vreal step[2] = {fma(s->b[0][0][v], miss[0], s->b[0][1][v] * miss[1]),
-                           fma(s->b[1][0][v], miss[0], s->b[1][1][v] * miss[1])};
-    s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
-    s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
-    /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the
-       step instead. */
-    const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
-    const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
-    const vreal next[2] = {PICK(s->both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
-                           SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
     in->d[v] = PICK(in->active[v], next[0], in->d[v]);
     in->x[v] = PICK(in->active[v] & s->both[v], next[1], in->x[v]);
   }
@@ -589,17 +543,14 @@ static inline void start_search(global const vreal *lane_input, const LoadSteppi
     s->nearest[v] = w->nearest[v];
     s->by_force[v] = lane_input[AT(LANE_FORCE)] >= FORCE_NORMAL;
     s->both[v] = lane_input[AT(LANE_FORCE)] >= FORCE_BOTH;
-    s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
-    s->b[1][1][v] = 1;
-    s->z[0][v] = s->nearest[v];
-    s->b[0][1][v] = s->b[1][0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
+    start_force_search(&s->of[v], s->nearest[v]);
   }
 }
 
 /* Target without force: no node touches, the rubber is undeformed, and depth 0 is a solution. */
 static inline void release_unloaded(const Search *s, Contact *c, const LoadStepping *w) {
   vint none[VECTORS];
-  EACH_VECTOR { none[v] = w->running[v] & s->by_force[v] & (s->p_target[v] <= 0); }
+  EACH_VECTOR { none[v] = w->running[v] & s->by_force[v] & (s->of[v].p_target <= 0); }
   release(c, none);
 }
 
@@ -607,19 +558,15 @@ static inline void release_unloaded(const Search *s, Contact *c, const LoadStepp
    guess. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
-    const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
-    s->p_target[v] = d[v];
-    s->q_target[v] = x[v];
-    s->low[v] = 0;
-    s->high[v] = FAR;
-    d[v] = PICK(s->by_force[v], PICK(d[v] > 0, guess, ALL_LANES(0)), d[v]);
+    const vreal guess = first_depth(&s->of[v], in->d[v], s->nearest[v], d[v], x[v]);
+    d[v] = PICK(s->by_force[v], guess, d[v]);
     x[v] = PICK(s->both[v], in->x[v], x[v]);
   }
 }
 
 static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in,
                                 LoadStepping *w) {
-  EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->p_target[v] > 0); }
+  EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->of[v].p_target > 0); }
   for (int trial = 0; trial < MOST_FORCE_TRIALS; ++trial) {
     update_force_control(s, c, in, 10 * rules->tolerance);
     if (!any_vector(in->active)) return;

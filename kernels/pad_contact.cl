@@ -247,13 +247,6 @@ OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, S
   }
 }
 
-/* ratio^(1 / power), between 0.1 and 10. */
-static inline vreal depth_factor(vreal ratio, vreal power) {
-  const vreal z = natural_log(LARGER(ratio, ALL_LANES((real)1e-20))) / power, most = ALL_LANES((real)2.302585092994046);
-  const vreal e = 1 + exp_minus_1(SMALLER(fabs(z), most));
-  return PICK(z < 0, 1 / e, e);
-}
-
 static vreal pressing(const Influence *influence, const Cells *c, int v) {
   vreal sum = 0;
   for (int k = 0; k < c->listed; ++k) sum += c->n[c->list[k]].v[v];

@@ -389,13 +389,6 @@ static vreal search_at(const Maps *maps, global const vreal *in, vreal depth, vi
   return P;
 }
 
-/* ratio^(1 / power), between 0.1 and 10. */
-static inline vreal depth_factor(vreal ratio, vreal power) {
-  const vreal z = natural_log(LARGER(ratio, ALL_LANES((real)1e-20))) / power, most = ALL_LANES((real)2.302585092994046);
-  const vreal e = 1 + exp_minus_1(SMALLER(fabs(z), most));
-  return PICK(z < 0, 1 / e, e);
-}
-
 /* lane_input [groups][PAD_SEARCH_ROWS][lane]; maps: measured heights, mm, [rows][columns] each; map_at
    [groups][lane]: the first height of a lane's. Out: found [groups][PAD_FOUND_ROWS][lane]. */
 kernel void pad_search(uint first_group, global const vreal *lane_input, global const real *maps,

@@ -157,8 +157,8 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
   w.nearest = put_heights(&profile, &patch, &c);
   start(lane, &c, &in, &w);
 #if FORCE_CONTROL
-  Search search;
-  start_search(&w, &search);
+  ForceSearch search;
+  start_force_search(&search, w.nearest);
 #endif
   for (int k = 0; k < increments; ++k) {
     vreal d, x, ratio;

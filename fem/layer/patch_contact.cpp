@@ -16,7 +16,7 @@ constexpr double damping = 0.5, damping_twice = 0.2;
 }  // namespace
 
 PatchContact::PatchContact(const PatchCompliance& compliance, Eigen::VectorXd height, double mu,
-                           const PatchSweepOptions& options)
+                           const PatchOptions& options)
     : compliance_(compliance), height_(std::move(height)), mu_(mu), options_(options) {
   options_.tolerance = sweep_tolerance(options.tolerance, mu);
   const Eigen::Index elements = compliance.uy_by_n.cols();
@@ -80,7 +80,7 @@ double PatchContact::sweep(const PatchLaws& laws) {
 
 bool PatchContact::solve(int& sweeps) {
   held_ = false;
-  for (int k = 0; k < options_.most_sweeps; ++k) {
+  for (int k = 0; k < options_.sweeps(); ++k) {
     ++sweeps;
     if (sweep(laws_at(k)) <= options_.tolerance) return true;
   }

@@ -18,6 +18,7 @@ namespace {
 
 /// Share of its width by which a patch grows on a side whose outermost element presses.
 constexpr double growth = 0.15;
+constexpr int most_growths = 8, usual_increments = 20;
 
 /// Where the elements lie: without the overhang of equal elements beyond an edge.
 Interval contact_of(const Patch& patch, const PatchLimits& limits) {
@@ -75,7 +76,7 @@ Condensation elements_condensation(const LayerModel& model, const UnequalElement
   return result;
 }
 
-PatchReference::PatchReference(const LayerModel& model, const PatchReferenceOptions& options)
+PatchReference::PatchReference(const LayerModel& model, const PatchOptions& options)
     : model_(model), options_(options) {}
 
 ContactSolution PatchReference::solve(const Scene& scene) const {
@@ -85,6 +86,9 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
   fine.indenter = with_hull(scene.indenter);
   const PatchLimits limits = patch_limits(fine);
   Patch patch = find_patch(fine, model_.table, options_.elements).patch;
+  const int increments = options_.pressing_increments > 0 ? options_.pressing_increments : usual_increments;
+  GapReferenceOptions exact;
+  if (options_.accept > 0) exact.tolerance = options_.accept;
   for (int growths = 0;; ++growths) {
     UnequalElements elements =
         graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);
@@ -95,12 +99,12 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
     ContactSolution solution = solve_in_increments(at_end   ? end_condensation(model_, elements.middle)
                                                    : linear ? linear_condensation(model_, elements)
                                                             : elements_condensation(model_, elements),
-                                                   fine, options_.pressing_increments, options_.exact);
+                                                   fine, increments, exact);
     const bool left = !patch.edge_left && !patch.reaches_left && presses(solution, 0);
     const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, elements.middle.size() - 1);
     solution.surface_width = elements.width;
     solution.linear_elements = linear;
-    if (!(left || right) || growths == options_.most_growths) return solution;
+    if (!(left || right) || growths == most_growths) return solution;
     const double more = growth * (patch.right - patch.left);
     patch = make_patch({patch.left - (left ? more : 0), patch.right + (right ? more : 0)}, limits, options_.elements);
   }

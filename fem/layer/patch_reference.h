@@ -4,24 +4,17 @@
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch.h"
+#include "fem/layer/patch_contact.h"
 #include "fem/load_stepping.h"
 
 namespace tactel::fem {
-
-struct PatchReferenceOptions {
-  int elements = 240;
-  int pressing_increments = 20;  ///< least number of increments to each pressing target
-  int most_growths = 8;          ///< times that the patch may grow where its outermost element presses
-  bool linear = false;           ///< linear elements (linear_elements.h) also where constant ones are narrow enough
-  GapReferenceOptions exact = {};
-};
 
 /// The judge of the patch solver's accuracy: many elements, finer towards edges of the indenter, many increments, and
 /// the exact active-set solver (fem/gap_condensed.h) in fp64. Near an end of the sensor the elements are nodes of a
 /// graded mesh (end_mesh.h). A scene takes seconds. Keeps a reference to the model.
 class PatchReference {
  public:
-  explicit PatchReference(const LayerModel& model, const PatchReferenceOptions& options = {});
+  explicit PatchReference(const LayerModel& model, const PatchOptions& options = {.elements = 240});
 
   /// Solves a scene; as PatchSolver::solve. Steps that the exact solver could not solve have converged = false: with mu
   /// above 1 near nu = 1/2 fewer elements may help.
@@ -29,7 +22,7 @@ class PatchReference {
 
  private:
   const LayerModel& model_;
-  PatchReferenceOptions options_;
+  PatchOptions options_;
 };
 
 /// Elements side by side, of any widths.

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "fem/block.h"
-#include "fem/layer/patch_contact.h"
 #include "fem/layer/patch_force_control.h"
 #include "fem/layer/patch_path.h"
 #include "fem/layer/rigid_contact.h"
@@ -52,6 +51,11 @@ double growth(const Eigen::Vector2d& change, const Eigen::Vector2d& last) {
   return ratio > 0 && ratio <= 2 ? ratio : 0;
 }
 
+PatchOptions of_sweeps(PatchOptions options, const Scene& scene) {
+  if (by_force(scene)) options.tolerance /= 10;
+  return options;
+}
+
 /// A scene on its way along the load path, on one patch.
 class PatchWalk {
  public:
@@ -62,7 +66,7 @@ class PatchWalk {
         width_(patch.width()),
         compliance_(patch_compliance(model, patch)),
         contact_(compliance_, patch_heights(patch, scene), std::min(scene.friction, largest_friction),
-                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps, options.entries}),
+                 of_sweeps(options, scene)),
         force_(contact_.first_touch()),
         base_(model.base) {}
 

@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/accuracy.h"
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_compliance.h"
+#include "fem/layer/patch_contact.h"
 #include "fem/layer/patch_search.h"
 #include "fem/path_derivatives.h"
 
 namespace tactel::fem {
-
-struct PatchOptions {
-  int elements = 12;
-  double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force; of given
-                            ///< forces, which a tenth of it serves in the sweeps
-  double accept = 0;        ///< largest residual of a solved step; 0: as the kernel in fp32
-  int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: elements / 3
-  int most_sweeps = 2000;       ///< an increment that needs more is not converged
-  int most_growths = 4;         ///< times that a patch may grow
-  bool entries = true;          ///< with the estimate of PatchContact::extrapolate
-
-  double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
-  int increments() const { return pressing_increments > 0 ? pressing_increments : (elements + 2) / 3; }
-};
 
 /// The patch of a solved scene, and the statuses along its path.
 struct PatchTrace {

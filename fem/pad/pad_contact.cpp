@@ -46,7 +46,7 @@ FOR_EACH_PROCESSOR void add_products(const double* xx, const double* yy, const d
 double PadResidual::largest() const { return std::max({penetration, complementarity, cone, drift, angle}); }
 
 PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
-                       const PadSweepOptions& options)
+                       const PadOptions& options)
     : influence_(influence),
       cells_(cells),
       height_(std::move(height)),
@@ -167,7 +167,7 @@ bool PadContact::solve(int most_sweeps, int& sweeps) {
 }
 
 bool PadContact::refine() {
-  if (tolerance_ <= least_tolerance || residual_of_cells().largest() <= options_.accept) return false;
+  if (tolerance_ <= least_tolerance || residual_of_cells().largest() <= options_.accepted()) return false;
   tolerance_ *= finer;
   return true;
 }
@@ -206,7 +206,7 @@ PadResidual PadContact::residual(std::array<bool, 4>& outside) const {
       if (!in_ring || !(depth > 0) || !std::isfinite(h)) continue;
       const double gap = (h - depth - displacement(ix, iy)[2]) / depth;
       r.penetration = std::max(r.penetration, -gap);
-      const bool beyond = gap < -options_.accept;
+      const bool beyond = gap < -options_.accepted();
       outside[0] |= beyond && ix < 0;
       outside[1] |= beyond && ix == size;
       outside[2] |= beyond && iy < 0;

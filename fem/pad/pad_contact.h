@@ -1,17 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <vector>
 
+#include "fem/accuracy.h"
 #include "fem/pad/pad_cells.h"
 
 namespace tactel::fem {
 
-struct PadSweepOptions {
-  double tolerance = 1e-3;  ///< largest change of a traction in the last sweep over the largest pressure, scaled
-  double accept = 0.02;     ///< largest residual of the cells; sweeps go on to less than the tolerance where it is more
+/// Options of contacts on pads, for the kernel and its twin.
+struct PadOptions {
+  int cells = 12;               ///< along a side; the kernel has 8, 12, 16 and 24, each its own program
+  double tolerance = 1e-3;      ///< largest change of a traction in the last sweep over the largest pressure; of given
+                                ///< forces, which a tenth of it serves in the sweeps
+  double accept = 0;            ///< largest residual of a solved step, to which sweeps go on; 0: as the kernel in fp32
+  int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: cells / 3, at least 2
+  int drag_increments = 1;      ///< of each drag, at least
+  int limit_increments = -1;    ///< of a drag as long as sliding_limit(), at least; -1: cells / 3
+  int parts = 1;                ///< of each of these increments
+  bool ladder = true;           ///< cell sizes that scenes share (pad_cells)
+  int most_sweeps = 2000;       ///< an increment that needs more is not converged; those after it get 300
+  int most_growths = 4;         ///< times that the grid may grow
+  // Of the twin alone.
+  bool whole_path = true;                  ///< false: steps after one that is not converged are left out
   std::function<void()> between_sweeps{};  ///< may throw, which ends the solution
+  // Of the kernel alone.
+  bool any_poisson = false;  ///< scenes with a Poisson's ratio each: tables by polynomials in it, right to 1e-7
+  int vectors = 0;           ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch
+
+  double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
+  int increments() const { return pressing_increments > 0 ? pressing_increments : std::max(2, cells / 3); }
+  double to_limit() const { return limit_increments < 0 ? cells / 3.0 : limit_increments; }
 };
 
 /// Sweeps after which steps are halved: where friction is high they may go round in circles.
@@ -46,7 +67,7 @@ class PadContact {
  public:
   /// `height` as cell_heights gives it.
   PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
-             const PadSweepOptions& options);
+             const PadOptions& options);
 
   double depth = 0;                      ///< mm, set by the caller
   PadMotion motion = PadMotion::Zero();  ///< since first touch, set by the caller
@@ -98,7 +119,7 @@ class PadContact {
   PadCells cells_;
   Eigen::MatrixXd height_;
   double mu_;
-  PadSweepOptions options_;
+  PadOptions options_;
   double tolerance_;  ///< of this increment
   Eigen::VectorXd n_, n_last_;
   Eigen::MatrixX2d t_, t_last_;

@@ -9,6 +9,9 @@ namespace tactel::fem {
 double PadMix::in(double from, double to) { return std::uniform_real_distribution<double>(from, to)(random_); }
 double PadMix::log_in(double from, double to) { return std::exp(in(std::log(from), std::log(to))); }
 
+// A further shape needs a kind below. A height map is drawn elsewhere.
+static_assert(std::variant_size_v<PadShape> == 7);
+
 PadScene PadMix::operator()() {
   PadScene scene;
   if (sensor_) {

@@ -29,19 +29,13 @@ AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
   return e;
 }
 
-PadReference::PadReference(const PadLayer& layer, const PadReferenceOptions& options)
-    : layer_(layer), options_(options) {}
+PadReference::PadReference(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
 
 /// With `parts` times the increments of the options.
 PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) const {
-  return PadSolver(layer_, {.cells = cells,
-                            .tolerance = options_.tolerance,
-                            .pressing_increments = options_.pressing_increments,
-                            .drag_increments = options_.drag_increments,
-                            .limit_increments = options_.limit_increments,
-                            .parts = parts,
-                            .ladder = false})
-      .solve(scene);
+  PadOptions options = options_;
+  options.cells = cells, options.parts = parts;
+  return PadSolver(layer_, options).solve(scene);
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {

@@ -5,13 +5,16 @@
 
 namespace tactel::fem {
 
-struct PadReferenceOptions {
-  int cells = 64;               ///< along a side
-  double tolerance = 1e-5;      ///< of the sweeps
-  int pressing_increments = 8;  ///< of the path; a second one on half as many cells has twice as many
-  int drag_increments = 2;      ///< of each drag at least, alike
-  int limit_increments = 3;     ///< of a drag to the sliding limit (pad_increments), alike
-};
+/// Returns the options of the reference on so many cells along a side. A second path on half as many cells has twice as
+/// many increments.
+inline PadOptions pad_reference_options(int cells = 64) {
+  return {.cells = cells,
+          .tolerance = 1e-5,
+          .pressing_increments = 8,
+          .drag_increments = 2,
+          .limit_increments = 3,
+          .ladder = false};
+}
 
 /// An answer and what it may be off by.
 struct PadReferenceSolution {
@@ -29,14 +32,14 @@ AnswerError pad_difference(const PadSolution& a, const PadSolution& b);
 /// the layer.
 class PadReference {
  public:
-  explicit PadReference(const PadLayer& layer, const PadReferenceOptions& options = {});
+  explicit PadReference(const PadLayer& layer, const PadOptions& options = pad_reference_options());
   PadReferenceSolution solve(const PadScene& scene) const;
 
  private:
   PadSolution solve_on(int cells, int parts, const PadScene& scene) const;
 
   const PadLayer& layer_;
-  PadReferenceOptions options_;
+  PadOptions options_;
 };
 
 }  // namespace tactel::fem

@@ -9,6 +9,7 @@
 #include "fem/angles.h"
 #include "fem/measured_profile.h"
 #include "fem/number_text.h"
+#include "fem/overloaded.h"
 #include "fem/shape_numbers.h"
 #include "fem/value_error.h"
 
@@ -16,13 +17,6 @@ namespace tactel::fem {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;  // clang 14 does not deduce it
 
 /// height of a circle of this radius at distance r from its lowest point.
 double circle(double radius, double r) {

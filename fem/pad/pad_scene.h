@@ -31,7 +31,7 @@ struct HeightMap {
   Eigen::MatrixXd heights;  ///< [along x][along y] mm above the lowest, which is 0
   std::string file{};       ///< where it was read; empty: not from a file
 };
-using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+using PadShape = PadShapes<HeightMap>;
 
 /// Returns the name of a shape in scene files: "sphere".
 const char* shape_name(const PadShape& shape);

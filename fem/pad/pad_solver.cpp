@@ -99,6 +99,12 @@ class DepthSearch {
   std::array<double, 2> last_{};  ///< depth and P of the last trial
 };
 
+PadOptions of_sweeps(PadOptions options, const PadScene& scene) {
+  options.accept = options.accepted();
+  if (by_force(scene)) options.tolerance /= 10;
+  return options;
+}
+
 /// A scene on its way along the load path, on one grid.
 class PadWalk {
  public:
@@ -108,9 +114,7 @@ class PadWalk {
         cells_(cells),
         turn_(own_to_pad(scene.indenter)),
         influence_(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n),
-        contact_(
-            influence_, cells, cell_heights(cells, scene.indenter), scene.friction,
-            {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.accepted(), options.between_sweeps}),
+        contact_(influence_, cells, cell_heights(cells, scene.indenter), scene.friction, of_sweeps(options, scene)),
         stress_(base_stress_of_cells(layer, scene, cells)) {
     own_places_.resize(cells.count(), 2);
     for (int i = 0; i < cells.count(); ++i) own_places_.row(i) << cells.x(i / cells.n), cells.y(i % cells.n);

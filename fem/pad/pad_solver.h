@@ -2,37 +2,15 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
-#include "fem/accuracy.h"
 #include "fem/contact_solution.h"
 #include "fem/pad/pad_contact.h"
 #include "fem/pad/pad_layer.h"
 #include "fem/pad/pad_scene.h"
 
 namespace tactel::fem {
-
-struct PadOptions {
-  int cells = 12;  ///< along a side
-  double tolerance =
-      1e-3;           ///< of the sweeps (PadSweepOptions); of given forces, which a tenth of it serves in the sweeps
-  double accept = 0;  ///< largest residual of a solved step; 0: as the kernel in fp32
-  int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: cells / 3, at least 2
-  int drag_increments = 1;      ///< of each drag, at least
-  int limit_increments = -1;    ///< of a drag as long as sliding_limit(), at least; -1: cells / 3
-  int parts = 1;                ///< of each of these increments
-  bool ladder = true;           ///< cell sizes that scenes share (pad_cells)
-  int most_sweeps = 2000;       ///< an increment that needs more is not converged; those after it get 300
-  bool whole_path = true;       ///< false: steps after one that is not converged are left out
-  int most_growths = 4;         ///< times that the grid may grow
-  std::function<void()> between_sweeps{};  ///< as PadSweepOptions
-
-  double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
-  int increments() const { return pressing_increments > 0 ? pressing_increments : std::max(2, cells / 3); }
-  double to_limit() const { return limit_increments < 0 ? cells / 3.0 : limit_increments; }
-};
 
 /// The state at the end of an asked increment, in the frame of the pad. Forces are those of the indenter on the rubber.
 struct PadStep {

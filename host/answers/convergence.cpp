@@ -242,7 +242,7 @@ Extrapolation extrapolate(std::span<const double> h, std::span<const double> val
 Convergence converge(const SolveOutcome& outcome, std::size_t step, const RungProgress& progress) {
   const fem::LayerModel model = fem::layer_model(outcome.scene.sensor);
   const auto solve = [&](int elements) {
-    const fem::PatchReferenceOptions options{.elements = elements, .pressing_increments = std::max(4, elements / 6)};
+    const fem::PatchOptions options{.elements = elements, .pressing_increments = std::max(4, elements / 6)};
     return fem::PatchReference(model, options).solve(outcome.scene);
   };
   Convergence found =
@@ -255,7 +255,7 @@ Convergence converge(const SolveOutcome& outcome, std::size_t step, const RungPr
 Convergence converge(const PadOutcome& outcome, std::size_t step, const RungProgress& progress) {
   const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
   const auto solve = [&](int cells) {
-    return fem::PadReference(layer, {.cells = cells}).solve(outcome.scene).solution;
+    return fem::PadReference(layer, fem::pad_reference_options(cells)).solve(outcome.scene).solution;
   };
   Convergence found =
       judged<fem::PadSolution>(outcome.solution, step, {16, 24, 32, 48, 64}, "{0} x {0} cells", 1e-5, solve, progress);

@@ -93,8 +93,7 @@ fem::ContactSolution on_elements(const fem::LayerModel& model, const fem::Scene&
     fem::ContactSolution answer = fem::PatchSolver(model, twin).solve(scene);
     if (every_step_converged(answer)) return answer;
   }
-  const fem::PatchReferenceOptions reference{
-      .elements = elements, .pressing_increments = twin.increments(), .linear = linear};
+  const fem::PatchOptions reference{.elements = elements, .pressing_increments = twin.increments(), .linear = linear};
   return fem::PatchReference(model, reference).solve(scene);
 }
 

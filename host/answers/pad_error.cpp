@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/overloaded.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "host/contact/pad_stream.h"
@@ -35,11 +36,14 @@ const char* name(PadClass pad_class) {
 PadClass pad_class(const fem::PadScene& scene) {
   if (scene.indenter.tilt != 0) return PadClass::tilted;
   const auto edge_of = [](double edge) { return edge > 0 ? PadClass::rounded_edge : PadClass::sharp_edge; };
-  if (const auto* punch = std::get_if<fem::Punch>(&scene.indenter.shape)) return edge_of(punch->edge);
-  if (const auto* box = std::get_if<fem::Box>(&scene.indenter.shape)) return edge_of(box->edge);
-  if (std::holds_alternative<fem::HeightMap>(scene.indenter.shape)) return PadClass::height_map;
-  if (std::holds_alternative<fem::LyingCylinder>(scene.indenter.shape)) return PadClass::sharp_edge;
-  return PadClass::smooth;
+  return std::visit(fem::Overloaded{[](const fem::Sphere&) { return PadClass::smooth; },
+                                    [](const fem::Paraboloid&) { return PadClass::smooth; },
+                                    [](const fem::Cone&) { return PadClass::smooth; },
+                                    [](const fem::LyingCylinder&) { return PadClass::sharp_edge; },
+                                    [&](const fem::Punch& punch) { return edge_of(punch.edge); },
+                                    [&](const fem::Box& box) { return edge_of(box.edge); },
+                                    [](const fem::HeightMap&) { return PadClass::height_map; }},
+                    scene.indenter.shape);
 }
 
 std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::PadScene& scene, double depth) {

@@ -56,7 +56,7 @@ const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy);
 ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
 
 /// Solves a scene a second time to state the errors of its answers: by the twin, on 24 or more cells with twice as many
-/// increments of pressing and drags.
+/// increments of pressing and drags. Keeps a reference to the scene.
 class PadJudge {
  public:
   explicit PadJudge(const fem::PadScene& scene) : scene_(scene) {}
@@ -69,7 +69,7 @@ class PadJudge {
  private:
   const fem::PadSolution& finer(int cells);
 
-  fem::PadScene scene_;
+  const fem::PadScene& scene_;
   std::map<int, fem::PadSolution> finer_;  ///< by their cells
 };
 

@@ -54,8 +54,7 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
     return;
   }
   outcome.solver = "twin";
-  fem::PadOptions twin;
-  twin.cells = outcome.rung.cells, twin.pressing_increments = outcome.rung.increments;
+  fem::PadOptions twin = model_of(outcome.rung).options;
   twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
   if (options.tolerance) twin.accept = *options.tolerance;
   outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);

@@ -33,7 +33,7 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
 
 std::string rung_reason(const SolveOptions& options) {
   if (!options.rung.empty()) return "--rung " + options.rung;
-  return options.model ? "a patch was requested" : "the scene file names no mesh";
+  return "the scene file names no mesh";
 }
 
 SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactSolution solution,
@@ -139,17 +139,16 @@ std::string model_name(const SolveOutcome& outcome) {
   return fmt::format("mesh {} x {} {}", s.columns, s.rows, fem::name(s.element));
 }
 
-SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
+SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options, bool on_mesh) {
   if (options.solver == "twin")
     throw ConfigError("command line", "--solver", "twin", "batched or full-mesh for a line");
   check_modelling(options);
   if (options.accuracy) return solve_to_accuracy(scene, options);
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
   const bool full_mesh = options.solver == "full-mesh";
-  const fem::SurfaceModel model = options.model.value_or(scene.model);
-  if (!full_mesh && (rung ? rung->patch() : model == fem::SurfaceModel::patch))
+  if (!full_mesh && (rung ? rung->patch() : !on_mesh && scene.model == fem::SurfaceModel::patch))
     return solve_batched(scene, options, true);
-  const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
+  const fem::Scene modelled = rung ? host::on_mesh(scene, *rung) : scene;
   SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_batched(modelled, options, false);
   outcome.scene = modelled;
   outcome.rung = options.rung;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/solve_options.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,19 +19,9 @@ namespace tactel::host {
 /// Returns the solvers of this build: "full-mesh" is of lines, "twin" of pads, which needs no device.
 std::vector<std::string> solver_names();
 
+using tactel::SolveOptions;
 struct ContactDerivatives;
 struct Convergence;
-
-/// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
-struct SolveOptions {
-  std::string solver = "batched";            ///< one of solver_names()
-  std::string precision;                     ///< "fp32", "fp64"; empty: fp64 where the device has it
-  std::string device;                        ///< name or index of an OpenCL device; empty: the default device
-  std::optional<fem::SurfaceModel> model{};  ///< where no rung decides; none: the scene's own
-  std::string rung;                          ///< one of rung_names(), pad_rung_names(); empty: the scene's own model
-  std::optional<double> accuracy;            ///< largest error in S: the planner chooses the rung
-  std::optional<double> tolerance;  ///< largest relative residual that counts as converged; none: the solver's own
-};
 
 /// An answer with its solver, precision and device.
 struct SolveOutcome {
@@ -65,9 +57,9 @@ struct PadOutcome {
 /// tolerance is not a number above 0.
 void check_modelling(const SolveOptions& options);
 
-/// Solves one scene. Throws ConfigError for contradictory options; of a pad ValueError, key "indenter.position", for a
-/// contact nearer than its thickness to an edge.
-SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
+/// Solves one scene, with `on_mesh` on its own mesh where no rung decides. Throws ConfigError for contradictory
+/// options; of a pad ValueError, key "indenter.position", for a contact nearer than its thickness to an edge.
+SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options, bool on_mesh = false);
 PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options);
 
 /// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.

@@ -52,19 +52,12 @@ void check_precision(const std::string& precision) {
     throw ConfigError("command line", "--precision", precision, "fp32 or fp64");
 }
 
-host::SolveOptions to_host(const SolveOptions& from) {
-  check_precision(from.precision);
-  host::SolveOptions options;
-  options.solver = from.solver, options.precision = from.precision, options.device = from.device;
-  options.rung = from.rung, options.accuracy = from.accuracy, options.tolerance = from.tolerance;
-  return options;
-}
-
-host::SolveOptions to_host_for_many(const SolveOptions& from) {
-  if (from.solver != "batched") throw ConfigError("command line", "--solver", from.solver, "batched for many scenes");
-  if (from.tolerance && !(std::isfinite(*from.tolerance) && *from.tolerance > 0))
-    throw ConfigError("command line", "--tolerance", std::to_string(*from.tolerance), "a number above 0");
-  return to_host(from);
+void check_for_many(const SolveOptions& options) {
+  if (options.solver != "batched")
+    throw ConfigError("command line", "--solver", options.solver, "batched for many scenes");
+  if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0))
+    throw ConfigError("command line", "--tolerance", std::to_string(*options.tolerance), "a number above 0");
+  check_precision(options.precision);
 }
 
 namespace {

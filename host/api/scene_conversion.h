@@ -28,9 +28,7 @@ auto checked_scenes(std::span<const Scene> scenes) {
 
 /// Throws ConfigError for what is neither "", "fp32" nor "fp64".
 void check_precision(const std::string& precision);
-/// Returns the options of the program. Throws ConfigError.
-host::SolveOptions to_host(const SolveOptions& options);
-/// The same for many scenes.
-host::SolveOptions to_host_for_many(const SolveOptions& options);
+/// Throws ConfigError for options that are wrong for many scenes.
+void check_for_many(const SolveOptions& options);
 
 }  // namespace tactel::api

@@ -112,11 +112,11 @@ Derivatives derivatives_of(const host::ContactDerivatives& from) {
   return all;
 }
 
-host::SolveOptions options_of(const SolveOptions& from) {
-  host::SolveOptions options = api::to_host(from);
-  if (from.solver != "batched" && from.solver != "full-mesh" && from.solver != "reference")
-    throw ConfigError("command line", "--solver", from.solver, "batched or full-mesh");
-  if (from.solver == "reference") options.solver = "full-mesh";
+SolveOptions options_of_line(SolveOptions options) {
+  api::check_precision(options.precision);
+  if (options.solver != "batched" && options.solver != "full-mesh" && options.solver != "reference")
+    throw ConfigError("command line", "--solver", options.solver, "batched or full-mesh");
+  if (options.solver == "reference") options.solver = "full-mesh";
   return options;
 }
 
@@ -124,12 +124,12 @@ host::SolveOptions options_of(const SolveOptions& from) {
 
 Path solve(const Scene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
-    const fem::Scene checked = api::to_fem(scene);
-    checked.validate();
-    host::SolveOutcome outcome = host::solve(checked, options_of(options));
+    const fem::Scene made = api::to_fem(scene);
+    made.validate();
+    host::SolveOutcome outcome = host::solve(made, options_of_line(options));
     if (options.estimate_error) host::estimate_error(outcome);
     Path path = path_of(outcome);
-    if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(checked, outcome));
+    if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(made, outcome));
     path.outcome = outcome_of(std::move(outcome));
     return path;
   });
@@ -139,7 +139,8 @@ PadPath solve(const PadScene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
     if (options.derivatives)
       throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
-    host::PadOutcome outcome = host::solve(api::to_fem(scene), api::to_host(options));
+    api::check_precision(options.precision);
+    host::PadOutcome outcome = host::solve(api::to_fem(scene), options);
     PadPath path = path_of(outcome);
     path.outcome = outcome_of(std::move(outcome));
     return path;

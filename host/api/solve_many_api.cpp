@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "fem/load_stepping.h"
-#include "fem/pad/pad_presses.h"
 #include "host/answers/rung_for_many.h"
 #include "host/answers/step_quantities.h"
 #include "host/api/scene_conversion.h"
@@ -16,7 +15,6 @@
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
-#include "kernels/shared/pad_layout.h"
 
 namespace tactel {
 namespace {
@@ -176,11 +174,9 @@ class PathArrays {
 };
 
 /// The answers of scenes of the line, without warnings.
-Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene> scenes,
-                  const ProgressFunction& progress) {
+Paths solve_paths(const SolveOptions& options, std::span<const fem::Scene> scenes, const ProgressFunction& progress) {
   host::Executor executor{host::Device(options.device)};
-  host::SolveOptions modelling;
-  modelling.rung = options.rung, modelling.accuracy = options.accuracy;
+  const SolveOptions modelling{.accuracy = options.accuracy, .rung = options.rung};
   const std::optional<host::Rung> asked =
       host::rung_for_many(executor, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
   host::Rung rung = asked.value_or(host::usual_patch());
@@ -216,7 +212,7 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
     const host::ContactStream stream(executor, std::move(model));
     const bool all = stream.solve(
         modelled.empty() ? scenes : modelled,
-        [&](std::size_t k, const host::LaneAnswer& answer) {
+        [&](std::size_t k, const host::LaneAnswer& answer, auto&&) {
           arrays.put(which[k], answer, scenes[which[k]], parts[k]);
         },
         [&](std::size_t k, fem::ContactSolution&& solution) {
@@ -236,12 +232,6 @@ Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene>
   return paths;
 }
 
-host::PadContactOptions kernel_of(const host::PadRung& rung, const std::optional<double>& tolerance) {
-  host::PadContactOptions kernel{.cells = rung.cells, .increments = rung.increments};
-  if (tolerance) kernel.tolerance = 0, kernel.accept = *tolerance;
-  return kernel;
-}
-
 void check_tactels(std::span<const fem::PadScene> scenes) {
   const auto text = [](const fem::PadSensor& sensor) {
     return std::to_string(sensor.tactels[0]) + " x " + std::to_string(sensor.tactels[1]) + " of " +
@@ -255,7 +245,7 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
 
 /// Returns the rung that is named, or the cheapest that keeps the accuracy on at most host::most_tried of the scenes,
 /// or the usual one.
-host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& options,
+host::PadRung rung_for_pads(host::Executor& executor, const SolveOptions& options,
                             std::span<const fem::PadScene> scenes) {
   if (const auto rung = host::pad_rung_for_many(options)) return *rung;
   if (!options.accuracy) return host::usual_pad_rung();
@@ -263,7 +253,7 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
   const std::size_t count = std::min<std::size_t>(scenes.size(), host::most_tried);
   for (std::size_t k = 0; k < count; ++k) sample.push_back(scenes[host::chosen_row(k, count, scenes.size())]);
   const std::vector<host::PadRung>& rungs = host::pad_rungs();
-  const host::PadContact<float> rough(executor, kernel_of(rungs.front(), {}));
+  const host::PadContact<float> rough(executor, host::model_of(rungs.front()).options);
   const std::vector<fem::PadSolution> solutions =
       host::solve_pad_contact(rough, std::span<const fem::PadScene>(sample));
   const auto keeps = [&](const host::PadRung& rung) {
@@ -282,7 +272,8 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
 Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, const ProgressFunction& progress) {
   const std::vector<fem::Scene> all = api::checked_scenes(scenes);
   return api::with_public_errors([&] {
-    Paths paths = solve_paths(api::to_host_for_many(options), all, progress);
+    api::check_for_many(options);
+    Paths paths = solve_paths(options, all, progress);
     paths.warnings = host::unit_warnings(all);
     progress(all.size(), all.size());
     return paths;
@@ -293,31 +284,25 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
   const std::vector<fem::PadScene> all = api::checked_scenes(scenes);
   return api::with_public_errors([&] {
     check_tactels(all);
-    const host::SolveOptions asked = api::to_host_for_many(options);
-    host::Executor executor{host::Device(asked.device)};
-    const host::PadRung rung = rung_for_pads(executor, asked, all);
-    const host::Precision precision = asked.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-    const host::PadStream stream(executor, {kernel_of(rung, asked.tolerance), precision});
+    api::check_for_many(options);
+    host::Executor executor{host::Device(options.device)};
+    const host::PadRung rung = rung_for_pads(executor, options, all);
+    host::PadModel model = host::model_of(rung);
+    model.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
+    const host::PadStream stream(executor, model);
     PathArrays<host::PadContacts, PadPaths> arrays(all);
     if (!all.empty())
       std::ranges::copy(all[0].sensor.tactels, arrays.paths.tactels.begin()), arrays.paths.axes = all[0].sensor.axes;
-    std::vector<std::pair<std::size_t, std::size_t>> coarse;  // scene, step of the pressing
     const bool solved = stream.solve(
         all,
-        [&](std::size_t i, const host::LaneAnswer& answer) {
+        [&](std::size_t i, const host::LaneAnswer& answer, host::PadStream::Alone&& alone) {
           arrays.put(i, answer, all[i]);
-          const auto across = [&](std::size_t k) {
-            return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
-          };
-          for (const std::size_t k : fem::coarse_presses(all[i].load, rung.cells, across)) coarse.emplace_back(i, k);
+          for (const auto& [step, solution] : alone) arrays.put_alone(i, step, solution);
         },
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
-    std::vector<fem::PadScene> alone;
-    for (const auto& [i, k] : coarse) alone.push_back(fem::pressed_alone(all[i], k));
-    const std::vector<fem::PadSolution> found = stream.solve(alone);
-    for (std::size_t a = 0; a < coarse.size(); ++a) arrays.put_alone(coarse[a].first, coarse[a].second, found[a]);
     for (std::size_t i = 0; i < all.size(); ++i)
       api::with_public_errors(
           [&] {
@@ -326,7 +311,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
           },
           "scenes[" + std::to_string(i) + "]");
     PadPaths paths = arrays.take();
-    paths.rung = rung.name, paths.precision = host::name(precision), paths.device = executor.device().info().name;
+    paths.rung = rung.name, paths.precision = host::name(model.precision), paths.device = executor.device().info().name;
     paths.warnings = host::unit_warnings(std::span<const fem::PadScene>(all));
     progress(all.size(), all.size());
     return paths;

@@ -72,8 +72,7 @@ class Simulation {
  private:
   std::optional<host::Rung> choose_model(host::SceneSource& source, const SweepOptions& options,
                                          host::SetOptions& set) {
-    host::SolveOptions modelling;
-    modelling.rung = options.rung, modelling.accuracy = options.accuracy;
+    const SolveOptions modelling{.accuracy = options.accuracy, .rung = options.rung};
     auto rung = host::rung_for_many(
         executor_, modelling,
         {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});

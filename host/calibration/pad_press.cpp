@@ -8,6 +8,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_search.h"
 #include "fem/path_derivatives.h"
+#include "fem/scene_numbers.h"
 #include "host/contact/limits.h"
 
 namespace tactel::host {
@@ -19,19 +20,22 @@ constexpr double pad_tolerance = 1e-7;  ///< as the kernel's in fp64; over step_
 constexpr double step_part = 1e-3;      ///< of a number, in differences, which err by some 1e-3; nu: absolute
 constexpr double tilt_step = 0.01;      ///< degrees
 
-Numbers numbers(fem::Sphere& s) { return {{"radius", "mm", &s.radius}}; }
-Numbers numbers(fem::Paraboloid& s) { return {{"radii[0]", "mm", &s.radii[0]}, {"radii[1]", "mm", &s.radii[1]}}; }
-Numbers numbers(fem::LyingCylinder& s) { return {{"radius", "mm", &s.radius}}; }
-Numbers numbers(fem::Punch& s) {
-  if (s.edge == 0) return {};
-  return {{"radius", "mm", &s.radius}, {"edge", "mm", &s.edge}};
+/// Whether a number of a shape moves a sharp edge.
+template <class Shape>
+bool moves_sharp_edge(const Shape& shape, const double&) {
+  if constexpr (requires { shape.edge; }) return shape.edge == 0;
+  return false;
 }
-Numbers numbers(fem::Box& s) {
-  if (s.edge == 0) return {};
-  return {{"half_widths[0]", "mm", &s.half_widths[0]}, {"half_widths[1]", "mm", &s.half_widths[1]}};
+bool moves_sharp_edge(const fem::LyingCylinder& cylinder, const double& number) {
+  return &number == &cylinder.half_length;
 }
-Numbers numbers(fem::Cone& s) { return {{"angle", "degrees", &s.angle}}; }
-Numbers numbers(fem::HeightMap&) { return {}; }
+
+void add_number(Numbers& all, const std::string& key, const char* unit, double& value) {
+  all.push_back({key, unit, &value});
+}
+void add_number(Numbers& all, const std::string& key, const char* unit, std::array<double, 2>& both) {
+  for (const int axis : {0, 1}) all.push_back({key + "[" + std::to_string(axis) + "]", unit, &both[axis]});
+}
 
 /// Adds to the depths of all targets, mm.
 void deepen(fem::PadLoad& load, double by) {
@@ -97,7 +101,15 @@ fem::PadScene at_state(fem::PadScene scene, const SensorState& state) {
 }  // namespace
 
 Numbers pad_shape_numbers(fem::PadShape& shape) {
-  return std::visit([](auto& kind) { return numbers(kind); }, shape);
+  Numbers all;
+  std::visit(
+      [&]<class Shape>(Shape& kind) {
+        fem::each_number<Shape>(
+            [&](const auto& number) { add_number(all, number.key, number.unit, kind.*number.member); });
+        std::erase_if(all, [&](const PadShapeNumber& number) { return moves_sharp_edge(kind, *number.value); });
+      },
+      shape);
+  return all;
 }
 
 PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const SensorState& first, int cells,

@@ -7,7 +7,8 @@ namespace tactel::host {
 
 /// A number of a pad's indenter that moves none of its sharp edges.
 struct PadShapeNumber {
-  const char *key, *unit;
+  std::string key;  ///< "radius", "radii[0]"
+  const char* unit;
   double* value;
 };
 std::vector<PadShapeNumber> pad_shape_numbers(fem::PadShape& shape);

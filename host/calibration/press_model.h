@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
-#include <array>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,7 +24,7 @@ struct SensorState {
 };
 
 /// A number by which frames have derivatives.
-enum PressNumber {
+enum PressNumber : int {
   young_number,  // of the sensor, in the order of SensorState: its logarithm
   poisson_number,
   thickness_number,
@@ -36,11 +36,9 @@ enum PressNumber {
   tilt_y_number,         // and on a pad along its y
   depth_number,          // mm, the zero of the depth
   load_number,           // its given forces, relative
-  shape_number,          // the first number of its shape
-  second_shape_number,
-  press_numbers  // how many
+  shape_number           // the first number of its shape; the others follow, as many as shape_numbers() has
 };
-inline constexpr int sensor_numbers = friction_number, most_shape_numbers = press_numbers - shape_number;
+inline constexpr int sensor_numbers = friction_number;
 
 /// A number of the sensor.
 struct SensorNumber {
@@ -72,7 +70,7 @@ bool by_force(const AnyScene& scene);
 /// Returns the numbers of a frame, and the tactels.
 Eigen::Index channels_of(const AnyScene& scene);
 Eigen::Index tactels_of(const AnyScene& scene);
-/// Returns the numbers of the shape that move none of its sharp edges; the first most_shape_numbers have derivatives.
+/// Returns the numbers of the shape that move none of its sharp edges.
 std::vector<ShapeNumber> shape_numbers(const AnyScene& scene);
 
 /// Frames and forces of one press, and their derivatives by the numbers of a SensorState and of the press.
@@ -80,8 +78,8 @@ struct PressFrames {
   Eigen::MatrixXd
       frame;          ///< [steps, channels] MPa, as amplifiers read them: normal stresses of all tactels, then shear
   Eigen::VectorXd P;  ///< [steps] N/mm; of a pad N
-  std::array<Eigen::MatrixXd, press_numbers> frame_by;  ///< [steps, channels]; empty where not asked for
-  std::array<Eigen::VectorXd, press_numbers> P_by;      ///< [steps]
+  std::map<PressNumber, Eigen::MatrixXd> frame_by;  ///< [steps, channels] by the numbers that were asked for
+  std::map<PressNumber, Eigen::VectorXd> P_by;      ///< [steps]
 };
 
 /// One press or drag of a known indenter on a sensor that is to be found. Where it touches is searched once, at the

@@ -127,7 +127,7 @@ Information Planner::information(const PressCandidate& candidate, const PressFra
     if (!std::isfinite(noise_[c]) || steps == 0) continue;
     const VectorXd stress = frames.frame.col(c);
     const double weight = 1 / (noise_[c] * noise_[c]);
-    for (Index k = 0; k < unknowns; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
+    for (Index k = 0; k < unknowns; ++k) by.col(k) = frames.frame_by.at(number_of(k)).col(c);
     result.sums.row(c) << static_cast<double>(steps), stress.sum(), stress.squaredNorm();
     result.cross.row(c).head(size) = by.colwise().sum();
     result.cross.row(c).tail(size) = stress.transpose() * by;
@@ -140,7 +140,7 @@ Information Planner::information(const PressCandidate& candidate, const PressFra
     double n = 0;
     for (Index row = 0; row < steps; ++row) {
       if (!(frames.P[row] > 0)) continue;
-      for (Index k = 0; k < unknowns; ++k) P_by[k] += frames.P_by[number_of(k)][row] / frames.P[row];
+      for (Index k = 0; k < unknowns; ++k) P_by[k] += frames.P_by.at(number_of(k))[row] / frames.P[row];
       n += 1;
     }
     result.numbers += P_by * P_by.transpose() / std::pow(std::max(n, 1.0) * options_.fit.force_noise, 2);

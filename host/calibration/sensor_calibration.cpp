@@ -185,8 +185,8 @@ Stack Fit::stack(const std::vector<Unknown>& numbers) const {
     all.P(rows) = frames.P + model_error_.P(rows);
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       if (!numbers[k].presses[i]) continue;
-      all.by[k](rows, Eigen::all) = frames.frame_by[numbers[k].number];
-      all.P_by[k](rows) = frames.P_by[numbers[k].number];
+      all.by[k](rows, Eigen::all) = frames.frame_by.at(numbers[k].number);
+      all.P_by[k](rows) = frames.P_by.at(numbers[k].number);
     }
   });
   return all;
@@ -490,9 +490,7 @@ std::vector<Unknown> Fit::held_numbers() const {
     const double friction = friction_of(scene);
     if (options_.friction_deviation == 0 && friction > 0 && std::isfinite(friction))
       add_shared(friction_number, "contact.friction", "", friction, same_friction);
-    std::vector<ShapeNumber> numbers = shape_numbers(scene);
-    numbers.resize(std::min<std::size_t>(numbers.size(), most_shape_numbers));
-    for (int k = shape_number; const ShapeNumber& shape : numbers)
+    for (int k = shape_number; const ShapeNumber& shape : shape_numbers(scene))
       add_shared(static_cast<PressNumber>(k++), "indenter." + shape.key, shape.unit.empty() ? "" : " " + shape.unit,
                  shape.value, same_shape);
     if (by_force(scene) && readings_.press_used[i]) {

@@ -95,19 +95,19 @@ void write_field(const SolveRequest& request, const PadOutcome& outcome, std::si
 SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
   if (request.derivatives && request.json.empty())
     throw ConfigError("command line", "--derivatives", "", "given with --json FILE, which takes them");
-  SolveOptions options = request.shared.solve;
-  if (!request.field.empty()) {
+  const SolveOptions& options = request.shared.solve;
+  const bool on_mesh = !request.field.empty();
+  if (on_mesh) {
     check_writable("--field", request.field);
     if (options.accuracy || (!options.rung.empty() && rung_named(options.rung).patch()))
       throw ConfigError("command line", "--field", request.field,
                         "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
-    options.model = fem::SurfaceModel::mesh;
   }
   const StageLine stage("solving " + request.scene, request.shared.quiet);
   const bool on_own_mesh =
-      options.rung.empty() && !options.accuracy && options.model.value_or(asked.model) == fem::SurfaceModel::mesh;
+      options.rung.empty() && !options.accuracy && (on_mesh || asked.model == fem::SurfaceModel::mesh);
   FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
-  SolveOutcome solved = solve(asked, options);
+  SolveOutcome solved = solve(asked, options, on_mesh);
   estimate_error(solved, std::move(finer));
   if (request.derivatives) solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
   return solved;

@@ -32,18 +32,13 @@ void keep_better(fem::ContactSolution& solution, fem::ContactSolution&& other) {
 template <class Real>
 void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const fem::Patch& patch,
                fem::ContactSolution& solution) {
-  const PatchContactOptions& options = contact.options();
   constexpr int more_sweeps = 10;
-  const fem::PatchOptions twin{.elements = options.elements,
-                               .tolerance = options.tolerance,
-                               .accept = options.accept,
-                               .pressing_increments = options.increments,
-                               .most_sweeps = more_sweeps * options.most_sweeps,
-                               .most_growths = options.most_growths};
+  fem::PatchOptions twin = contact.options();
+  twin.most_sweeps *= more_sweeps;
   const auto model = contact.model_of(scene.sensor);
   if (patch.right > patch.left)
     keep_better(solution,
-                fem::solve_patch_exactly(*model, patch, scene, twin.increments(), {.tolerance = options.accept}));
+                fem::solve_patch_exactly(*model, patch, scene, twin.increments(), {.tolerance = twin.accept}));
   if (!every_step_converged(solution)) keep_better(solution, fem::PatchSolver(*model, twin).solve(scene));
   solution.fell_back = true;
 }
@@ -52,12 +47,11 @@ void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const
 /// for the ends that the search, which has constant ones, misses.
 template <class Real>
 fem::ContactSolution on_linear_elements(const PatchContact<Real>& contact, const fem::Scene& scene) {
-  const PatchContactOptions& options = contact.options();
-  const fem::PatchOptions usual{.elements = options.elements, .pressing_increments = options.increments};
-  const fem::PatchReferenceOptions reference{.elements = 2 * options.elements,
-                                             .pressing_increments = 2 * usual.increments(),
-                                             .linear = true,
-                                             .exact = {.tolerance = options.accept}};
+  const fem::PatchOptions& options = contact.options();
+  const fem::PatchOptions reference{.elements = 2 * options.elements,
+                                    .accept = options.accept,
+                                    .pressing_increments = 2 * options.increments(),
+                                    .linear = true};
   const auto model = contact.model_of(scene.sensor);
   fem::ContactSolution solution = fem::PatchReference(*model, reference).solve(scene);
   solution.fell_back = true;
@@ -101,7 +95,7 @@ template <class Real>
 std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& contact,
                                                       std::span<const fem::Scene> scenes,
                                                       std::vector<PatchCertificate> known, PatchContactReport* report) {
-  const PatchContactOptions& options = contact.options();
+  const fem::PatchOptions& options = contact.options();
   std::vector<fem::ContactSolution> solutions(scenes.size());
   std::vector<fem::Patch> patches(scenes.size());
   PatchContactReport said;
@@ -137,7 +131,7 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
       solutions[i] = on_linear_elements(contact, scenes[i]);
     else if (every_step_converged(solutions[i]))
       continue;
-    else if (options.fallback)
+    else
       fall_back(contact, scenes[i], patches[i], solutions[i]);
     said.fell_back += solutions[i].fell_back;
     said.unsolved += !every_step_converged(solutions[i]);

@@ -6,9 +6,8 @@ namespace tactel::host {
 ContactModel model_of(const Rung& rung) {
   const GapSweepOptions mesh{.tolerance = rung.tolerance, .accept = rung.accept};
   if (!rung.patch()) return {MeshModel{mesh}, rung.precision};
-  PatchModel patch{.exact = rung.exact, .behind = rung, .mesh = mesh};
-  patch.options.elements = rung.elements, patch.options.increments = rung.steps;
-  patch.options.sides = rung.sides;
+  PatchModel patch{.exact = rung.exact, .sides = rung.sides, .behind = rung, .mesh = mesh};
+  patch.options.elements = rung.elements, patch.options.pressing_increments = rung.steps;
   patch.options.tolerance = rung.tolerance, patch.options.accept = rung.accept;
   return {std::move(patch), rung.precision};
 }

@@ -17,8 +17,9 @@ namespace tactel::host {
 
 /// Contacts on patches over what their indenters touch.
 struct PatchModel {
-  PatchContactOptions options{};
+  fem::PatchOptions options{};
   bool exact = false;                                    ///< by the reference of patches, fp64, without a device
+  bool sides = true;                                     ///< with the sensor's free sides
   std::optional<Rung> behind{};                          ///< whose mesh solves what no patch solves; none: nothing does
   GapSweepOptions mesh{};                                ///< of that mesh
   std::shared_ptr<const fem::SensorFamily> family = {};  ///< where each contact has its own sensor, of this family

@@ -70,7 +70,7 @@ class OnMesh final : public Solver {
 /// The reference of patches, for scenes of any sensors.
 class OnManyElements final : public Solver {
  public:
-  OnManyElements(Executor& executor, const PatchContactOptions& options) : executor_(executor), options_(options) {}
+  OnManyElements(Executor& executor, const fem::PatchOptions& options) : executor_(executor), options_(options) {}
   std::unique_ptr<Launch> launch() const override { throw std::logic_error("the reference launches no kernel"); }
   bool holds(const LaneAnswer&) const override { return false; }
   Solutions solve(std::span<const fem::Scene> scenes, std::span<const LaneAnswer>) const override {
@@ -97,16 +97,15 @@ class OnManyElements final : public Solver {
   fem::ContactSolution solve_one(const fem::LayerModel& model, const fem::Scene& scene) const {
     fem::ContactSolution answer;
     for (const int share : {1, 2, 4}) {
-      fem::PatchReferenceOptions reference{.elements = options_.elements / share,
-                                           .pressing_increments = options_.increments};
-      if (options_.accept > 0) reference.exact.tolerance = options_.accept;
+      fem::PatchOptions reference = options_;
+      reference.elements /= share;
       answer = fem::PatchReference(model, reference).solve(scene);
       if (every_step_converged(answer)) break;
     }
     return answer;
   }
   Executor& executor_;
-  PatchContactOptions options_;
+  fem::PatchOptions options_;
 };
 
 template <class Real>
@@ -114,10 +113,10 @@ std::shared_ptr<const Solver> solver_on(Executor& executor, const fem::Sensor& s
   if (const auto* mesh = std::get_if<MeshModel>(&model.surface))
     return std::make_shared<OnMesh<Real>>(executor, sensor, mesh->options);
   const PatchModel& patch = std::get<PatchModel>(model.surface);
-  const PatchContactOptions& options = patch.options;
+  const fem::PatchOptions& options = patch.options;
   if (patch.family) return std::make_shared<OnPatches<Real>>(PatchContact<Real>(executor, *patch.family, options));
   return std::make_shared<OnPatches<Real>>(
-      PatchContact<Real>(executor, options.sides ? fem::layer_model(sensor) : fem::endless_layer(sensor), options));
+      PatchContact<Real>(executor, patch.sides ? fem::layer_model(sensor) : fem::endless_layer(sensor), options));
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ class LineContacts {
   std::shared_ptr<const SensorSolver<LineContacts>> solver(const Sensor& sensor) const;
   /// Solves what the solvers of sensors left unsolved.
   void finish(std::span<const Scene> scenes, std::vector<Solution>& solutions) const;
+  static std::vector<std::size_t> coarse(const Scene&, const LaneAnswer&) { return {}; }
+  static Scene alone(const Scene& scene, std::size_t) { return scene; }
 
  private:
   const PatchModel* patch() const { return std::get_if<PatchModel>(&model_.surface); }

@@ -63,7 +63,7 @@ int straightness(const fem::PadScene& scene, double lever) {
 /// would not fill most of a group goes to groups where every lane has its own table; the bits are the same.
 template <class Real>
 PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typename LaneScenes<Real>::One>& scenes,
-                  const PadContactOptions& options, std::size_t width) {
+                  const fem::PadOptions& options, std::size_t width) {
   std::vector<double> friction;
   friction.reserve(on_cells.size());
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
@@ -118,16 +118,9 @@ Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
 
 }  // namespace
 
-fem::PadOptions PadContactOptions::twin() const {
-  fem::PadOptions o;
-  o.cells = cells, o.pressing_increments = increments, o.ladder = ladder, o.limit_increments = limit_increments;
-  o.accept = accept;
-  return o;
-}
-
 template <class Real>
 struct PadContact<Real>::State {
-  State(Executor& executor, const PadContactOptions& given)
+  State(Executor& executor, const fem::PadOptions& given)
       : executor(executor), options(given), search(executor, given.any_poisson) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
@@ -185,7 +178,7 @@ struct PadContact<Real>::State {
   Launch stress_launch(const Laid& b, int vectors);
 
   Executor& executor;
-  PadContactOptions options;
+  fem::PadOptions options;
   PadSearch<Real> search;
   std::mutex making;                                     ///< of what is made at first use
   std::map<int, std::unique_ptr<Program>> programs;      ///< by vectors, or own_tables
@@ -250,7 +243,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
     const auto& [scene, cells, size, solvable] = on_cells[i];
-    const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options.twin(), cells);
+    const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options, cells);
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
                  .indentation_steps = static_cast<int>(fem::pressing_targets(scene.load)),
@@ -433,11 +426,11 @@ Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
 }
 
 template <class Real>
-PadContact<Real>::PadContact(Executor& executor, const PadContactOptions& options)
+PadContact<Real>::PadContact(Executor& executor, const fem::PadOptions& options)
     : state_(std::make_shared<State>(executor, options)) {}
 
 template <class Real>
-const PadContactOptions& PadContact<Real>::options() const {
+const fem::PadOptions& PadContact<Real>::options() const {
   return state_->options;
 }
 

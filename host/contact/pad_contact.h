@@ -13,23 +13,6 @@
 
 namespace tactel::host {
 
-/// Options of the launcher of kernels/pad_contact.cl.
-struct PadContactOptions {
-  int cells = 12;             ///< along a side: 8, 12, 16 or 24; each number has its own program
-  int increments = 0;         ///< to each pressing target, at least; 0: a third of the cells, two at least
-  int limit_increments = -1;  ///< as fem::PadOptions
-  bool ladder = true;         ///< cell sizes that scenes share (fem::pad_cells)
-  double tolerance = 1e-3;    ///< largest change of a traction in the last sweep over the largest pressure
-  double accept = 0;          ///< largest residual of a solved step; 0: fem::by_rule
-  int most_sweeps = 2000;     ///< an increment that needs more is reported as unsolved
-  int most_growths = 4;       ///< solve_pad_contact enlarges cells that are too small this many times
-  bool any_poisson = false;   ///< of scenes with a Poisson's ratio each: tables by polynomials in it, right to 1e-7
-  int vectors = 0;            ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch
-
-  /// The twin's options for the same cells and path.
-  fem::PadOptions twin() const;
-};
-
 /// What a load asks for, in order.
 struct PadPath {
   std::vector<fem::PadTarget> steps;
@@ -52,7 +35,7 @@ class PadContact {
 
  public:
   /// Throws ValueError for a number of cells that has no program.
-  PadContact(Executor& executor, const PadContactOptions& options = {});
+  PadContact(Executor& executor, const fem::PadOptions& options = {});
 
   /// Scenes on their way into a batch.
   class Scenes {
@@ -95,7 +78,7 @@ class PadContact {
   /// Without `forces` the batch has no solution().
   Batch prepare(Scenes scenes, bool forces = true) const;
 
-  const PadContactOptions& options() const;
+  const fem::PadOptions& options() const;
   Executor& executor() const;
   /// Returns the layer of a Poisson's ratio.
   std::shared_ptr<const fem::PadLayer> layer(double poisson) const;

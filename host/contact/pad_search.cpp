@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "fem/angles.h"
+#include "fem/overloaded.h"
 #include "fem/pad/pad_layers.h"
 #include "host/device/buffer.h"
 #include "host/device/program.h"
@@ -36,13 +37,6 @@ Rest rest_of(double poisson) {
 
 using Rows = std::array<double, PAD_SEARCH_ROWS>;
 
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;  // clang 14 does not deduce it
-
 /// A circle of this radius along x, or round, and its section.
 void put_circle(Rows& rows, double radius, bool round) {
   rows[PAD_SHAPE_ROUND] = round;
@@ -63,38 +57,38 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
   rows[PAD_SHAPE_EDGE_X] = half(edges.x.right), rows[PAD_SHAPE_EDGE_Y] = half(edges.y.right);
   rows[PAD_SHAPE_RIM] = rows[PAD_SECTION_MOST] = PAD_OPEN;
   const double slope = std::tan(fem::radians(indenter.tilt));
-  std::visit(Overloaded{[&](const fem::Sphere& s) { put_circle(rows, s.radius / H, true); },
-                        [&](const fem::LyingCylinder& c) {
-                          put_circle(rows, c.radius / H, false);
-                          rows[PAD_SECTION_Y] = c.half_length / H;
-                        },
-                        [&](const fem::Paraboloid& p) {
-                          rows[PAD_SHAPE_CURVE_X] = H / (2 * p.radii[0]),
-                          rows[PAD_SHAPE_CURVE_Y] = H / (2 * p.radii[1]);
-                          rows[PAD_SECTION_WIDE_X] = 2 * p.radii[0] / H, rows[PAD_SECTION_WIDE_Y] = 2 * p.radii[1] / H;
-                        },
-                        [&](const fem::Punch& p) {
-                          rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_FLAT] = p.radius / H;
-                          if (p.edge > 0) rows[PAD_SHAPE_CURVE] = H / (2 * p.edge);
-                          if (p.edge == 0) rows[PAD_SHAPE_RIM] = p.radius / H;
-                          for (const int direction : {0, 1}) put_flat(rows, direction, p.radius / H, p.edge / H, slope);
-                        },
-                        [&](const fem::Box& b) {
-                          rows[PAD_SHAPE_FLAT_X] = b.half_widths[0] / H, rows[PAD_SHAPE_FLAT_Y] = b.half_widths[1] / H;
-                          if (b.edge > 0) rows[PAD_SHAPE_CURVE_X] = rows[PAD_SHAPE_CURVE_Y] = H / (2 * b.edge);
-                          for (const int direction : {0, 1})
-                            put_flat(rows, direction, b.half_widths[direction] / H, b.edge / H, slope);
-                        },
-                        [&](const fem::Cone& c) {
-                          const double wide = std::tan(fem::radians(c.angle));
-                          rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_SLOPE] = 1 / wide, rows[PAD_SECTION_SLOPE] = wide;
-                        },
-                        [&](const fem::HeightMap& m) {
-                          rows[PAD_MAP_ROWS] = static_cast<double>(m.heights.rows());
-                          rows[PAD_MAP_COLUMNS] = static_cast<double>(m.heights.cols());
-                          rows[PAD_MAP_PER_PITCH] = H / m.pitch, rows[PAD_MAP_UNIT] = 1 / H;
-                        }},
-             indenter.shape);
+  std::visit(
+      fem::Overloaded{[&](const fem::Sphere& s) { put_circle(rows, s.radius / H, true); },
+                      [&](const fem::LyingCylinder& c) {
+                        put_circle(rows, c.radius / H, false);
+                        rows[PAD_SECTION_Y] = c.half_length / H;
+                      },
+                      [&](const fem::Paraboloid& p) {
+                        rows[PAD_SHAPE_CURVE_X] = H / (2 * p.radii[0]), rows[PAD_SHAPE_CURVE_Y] = H / (2 * p.radii[1]);
+                        rows[PAD_SECTION_WIDE_X] = 2 * p.radii[0] / H, rows[PAD_SECTION_WIDE_Y] = 2 * p.radii[1] / H;
+                      },
+                      [&](const fem::Punch& p) {
+                        rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_FLAT] = p.radius / H;
+                        if (p.edge > 0) rows[PAD_SHAPE_CURVE] = H / (2 * p.edge);
+                        if (p.edge == 0) rows[PAD_SHAPE_RIM] = p.radius / H;
+                        for (const int direction : {0, 1}) put_flat(rows, direction, p.radius / H, p.edge / H, slope);
+                      },
+                      [&](const fem::Box& b) {
+                        rows[PAD_SHAPE_FLAT_X] = b.half_widths[0] / H, rows[PAD_SHAPE_FLAT_Y] = b.half_widths[1] / H;
+                        if (b.edge > 0) rows[PAD_SHAPE_CURVE_X] = rows[PAD_SHAPE_CURVE_Y] = H / (2 * b.edge);
+                        for (const int direction : {0, 1})
+                          put_flat(rows, direction, b.half_widths[direction] / H, b.edge / H, slope);
+                      },
+                      [&](const fem::Cone& c) {
+                        const double wide = std::tan(fem::radians(c.angle));
+                        rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_SLOPE] = 1 / wide, rows[PAD_SECTION_SLOPE] = wide;
+                      },
+                      [&](const fem::HeightMap& m) {
+                        rows[PAD_MAP_ROWS] = static_cast<double>(m.heights.rows());
+                        rows[PAD_MAP_COLUMNS] = static_cast<double>(m.heights.cols());
+                        rows[PAD_MAP_PER_PITCH] = H / m.pitch, rows[PAD_MAP_UNIT] = 1 / H;
+                      }},
+      indenter.shape);
   if (indenter.tilt == 0) return;
   const double direction = fem::radians(indenter.tilt_direction);
   rows[PAD_SHAPE_TILT_X] = slope * std::cos(direction), rows[PAD_SHAPE_TILT_Y] = slope * std::sin(direction);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "fem/pad/pad_presses.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
 #include "host/support/stop_scope.h"
@@ -40,8 +39,9 @@ class OnPads final : public SensorSolver<PadContacts> {
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
   const auto layer = contact.layer(scene.sensor.poisson);
-  fem::PadOptions exact = contact.options().twin();
-  exact.tolerance = std::min(exact_tolerance, contact.options().tolerance);
+  fem::PadOptions exact = contact.options();
+  exact.tolerance = std::min(exact_tolerance, exact.tolerance);
+  exact.most_sweeps = fem::PadOptions{}.most_sweeps, exact.most_growths = fem::PadOptions{}.most_growths;
   exact.between_sweeps = &StopScope::check;
   fem::PadSolution solution = fem::PadSolver(*layer, exact).solve(scene);
   if (!every_step_converged(solution) && exact.cells < finest_cells) {
@@ -75,7 +75,9 @@ void solve_presses_alone(const PadContact<Real>& contact, std::span<const fem::P
 
 }  // namespace
 
-PadModel model_of(const PadRung& rung) { return {.options = {.cells = rung.cells, .increments = rung.increments}}; }
+PadModel model_of(const PadRung& rung) {
+  return {.options = {.cells = rung.cells, .pressing_increments = rung.increments}};
+}
 
 PadContacts::PadContacts(Executor& executor, const PadModel& model)
     : contact_(model.precision == Precision::fp32 ? decltype(contact_)(PadContact<float>(executor, model.options))
@@ -94,6 +96,13 @@ std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::
       contact_);
 }
 
+std::vector<std::size_t> PadContacts::coarse(const fem::PadScene& scene, const LaneAnswer& answer) const {
+  const int cells = std::visit([](const auto& contact) { return contact.options().cells; }, contact_);
+  return fem::coarse_presses(scene.load, cells, [&](std::size_t k) {
+    return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
+  });
+}
+
 bool every_step_converged(const fem::PadSolution& solution) {
   return std::ranges::all_of(solution.steps, &fem::PadStep::converged);
 }
@@ -101,9 +110,10 @@ bool every_step_converged(const fem::PadSolution& solution) {
 template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells) {
-  const PadContactOptions& options = contact.options();
+  const fem::PadOptions& options = contact.options();
   std::vector<fem::PadSolution> solutions(scenes.size());
-  std::vector<fem::PadScene> now(scenes.begin(), scenes.end());
+  std::span<const fem::PadScene> now = scenes;
+  std::vector<fem::PadScene> again;
   std::vector<fem::PadCells> laid(cells.begin(), cells.end());
   std::vector<std::size_t> which(scenes.size());
   std::iota(which.begin(), which.end(), 0);
@@ -112,17 +122,17 @@ std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact,
     auto batch = contact.prepare(now, laid);
     batch.run();
     const LaneView<Real> view(batch);
-    now.clear(), laid.clear();
+    again.clear(), laid.clear();
     std::vector<std::size_t> others;
     for (std::size_t k = 0; k < which.size(); ++k) {
       fem::PadSolution& solution = solutions[which[k]] = batch.solution(view, k);
       solvable[which[k]] = static_cast<int>(view.answer(k).result(0, RESULT_STATUS)) != LANE_INVALID;
       if (!any(solution.outside) || growths == options.most_growths) continue;
       others.push_back(which[k]);
-      now.push_back(batch.scene(k));
+      again.push_back(batch.scene(k));
       laid.push_back(fem::grown(batch.cells(k), solution.outside, batch.scene(k), options.ladder));
     }
-    which = std::move(others);
+    which = std::move(others), now = again;
   }
   std::vector<std::size_t> unsolved;
   for (std::size_t i = 0; i < scenes.size(); ++i)

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "fem/pad/pad_presses.h"
 #include "host/contact/pad_contact.h"
 #include "host/contact/pad_rung.h"
 #include "host/contact/stream_of.h"
@@ -15,7 +16,7 @@ namespace tactel::host {
 
 /// How contacts on pads are solved.
 struct PadModel {
-  PadContactOptions options{};
+  fem::PadOptions options{};
   Precision precision = Precision::fp32;
 };
 PadModel model_of(const PadRung& rung);
@@ -42,6 +43,9 @@ class PadContacts {
   static Path path(const Scene& scene) { return {fem::pad_targets(scene.load)}; }
   std::shared_ptr<const SensorSolver<PadContacts>> solver(const Sensor& sensor) const;
   static void finish(std::span<const Scene>, std::vector<Solution>&) {}
+  /// Coarse steps of the pressing (fem/pad/pad_presses.h).
+  std::vector<std::size_t> coarse(const Scene& scene, const LaneAnswer& answer) const;
+  static Scene alone(const Scene& scene, std::size_t step) { return fem::pressed_alone(scene, step); }
 
  private:
   std::variant<PadContact<float>, PadContact<double>> contact_;

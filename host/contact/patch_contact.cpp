@@ -20,6 +20,7 @@ namespace tactel::host {
 namespace {
 
 constexpr int friction_strata = 4;  ///< measured beside 2, 8 and 16
+constexpr int usual_sweeps = 400;
 
 /// Tables of a kernel on a device.
 template <class Real>
@@ -59,7 +60,7 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const PatchContactOptions& of, KernelTables&& numbers)
+  State(Executor& executor, const fem::PatchOptions& of, KernelTables&& numbers)
       : executor(executor),
         options(of),
         lanes_of_group(executor.device().lanes(precision())),
@@ -72,13 +73,11 @@ struct PatchContact<Real>::State {
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
     const auto [tolerance, accept] = fem::by_rule<Real>({options.tolerance, options.accept}, fem::slow_on_patch);
     options.tolerance = tolerance, options.accept = accept;
+    if (options.most_sweeps == 0) options.most_sweeps = usual_sweeps;
   }
 
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
-  int pressing_increments() const {
-    return fem::PatchOptions{.elements = options.elements, .pressing_increments = options.increments}.increments();
-  }
   int force_rows() const { return padded(2 * elements); }
 
   /// The sensors of lanes. Lanes without a scene have thickness 0, which is no sensor.
@@ -113,7 +112,7 @@ struct PatchContact<Real>::State {
   fem::ContactSolution solution(const LaneView<Real>& view, std::size_t i) const;
 
   Executor& executor;
-  PatchContactOptions options;
+  fem::PatchOptions options;
   int lanes_of_group, interleaved_lanes;  ///< of the device
   int elements = 0, tactels;
   std::size_t outputs;  ///< numbers of a load step in the stresses
@@ -168,7 +167,7 @@ fem::ContactSolution PatchContact<Real>::State::solution(const LaneView<Real>& v
 
 template <class Real>
 void PatchContact<Real>::Scenes::push_back(const fem::Scene& scene, const fem::LoadPath& load, const Given& given) {
-  const PatchPath path = patch_path(load, scene.load, contact_->pressing_increments());
+  const PatchPath path = patch_path(load, scene.load, contact_->options.increments());
   this->add(kind_of(scene), {.steps = path.slots,
                              .indentation_steps = path.indentation_slots,
                              .increments = static_cast<int>(path.steps.size()),
@@ -218,14 +217,13 @@ std::vector<std::size_t> PatchContact<Real>::Scenes::by_cost() const {
 }
 
 template <class Real>
-PatchContact<Real>::PatchContact(Executor& executor, const fem::SensorFamily& family,
-                                 const PatchContactOptions& options)
+PatchContact<Real>::PatchContact(Executor& executor, const fem::SensorFamily& family, const fem::PatchOptions& options)
     : state_(std::make_shared<State>(executor, options, family_tables(family))) {
   state_->family = family;
 }
 
 template <class Real>
-PatchContact<Real>::PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
+PatchContact<Real>::PatchContact(Executor& executor, const fem::LayerModel& model, const fem::PatchOptions& options)
     : state_(std::make_shared<State>(executor, options, patch_tables(model))) {
   state_->model = std::make_shared<const fem::LayerModel>(model);
 }
@@ -236,7 +234,7 @@ std::shared_ptr<const fem::LayerModel> PatchContact<Real>::model_of(const fem::S
 }
 
 template <class Real>
-const PatchContactOptions& PatchContact<Real>::options() const {
+const fem::PatchOptions& PatchContact<Real>::options() const {
   return state_->options;
 }
 
@@ -266,7 +264,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
   };
   b.results = outputs(b.steps, PATCH_BLOCK), b.outputs = outputs(b.steps, state_->outputs);
   b.forces = outputs(b.steps, state_->force_rows(), forces), b.patches = outputs(1, PATCH_BLOCK);
-  const PatchContactOptions& o = state_->options;
+  const fem::PatchOptions& o = state_->options;
   auto launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
     state_->tables.bind(kernel);
     if (state_->family) kernel.set("sensors", b.more_inputs.front().numbers);

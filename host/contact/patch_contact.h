@@ -8,6 +8,7 @@
 
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
+#include "fem/layer/patch_contact.h"
 #include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
 #include "host/contact/contact_batch.h"
@@ -15,18 +16,6 @@
 #include "host/device/executor.h"
 
 namespace tactel::host {
-
-/// Options of the launcher of kernels/patch_contact.cl.
-struct PatchContactOptions {
-  int elements = 12;        ///< of a patch: 8, 12, 16 or 24; each number has its own program
-  int increments = 0;       ///< to each pressing target, at least; 0: a third of the elements
-  bool sides = true;        ///< model_on: with the sensor's free sides
-  double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
-  double accept = 0;        ///< largest residual of a solved step; 0: fem::by_rule
-  int most_sweeps = 400;    ///< an increment that needs more is reported as unsolved
-  int most_growths = 4;     ///< solve_patch_contact enlarges a patch that is too small this many times
-  bool fallback = true;     ///< solve_patch_contact solves the remaining ones exactly, or by the twin with more sweeps
-};
 
 /// Contact of scenes that share a sensor, or whose sensors are of one family, each on its own patch of equal elements
 /// over what its indenter touches (kernels/patch_contact.cl). Tables and programs for one precision. Cheap to copy.
@@ -37,9 +26,9 @@ class PatchContact {
  public:
   using Batch = ContactBatch<Real>;
   /// Throws ValueError for a number of elements that has no program.
-  PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options = {});
+  PatchContact(Executor& executor, const fem::LayerModel& model, const fem::PatchOptions& options = {});
   /// The same for scenes each with its own sensor of this family.
-  PatchContact(Executor& executor, const fem::SensorFamily& family, const PatchContactOptions& options = {});
+  PatchContact(Executor& executor, const fem::SensorFamily& family, const fem::PatchOptions& options = {});
 
   /// The contact that the patch of a scene must cover; none: the kernel searches it.
   using Given = std::optional<PatchContactExtent>;
@@ -75,7 +64,7 @@ class PatchContact {
   static void set_parts(Batch& batch, bool path, bool base_stress);
   /// Returns the tables of this sensor: those of all scenes, or made from the family's.
   std::shared_ptr<const fem::LayerModel> model_of(const fem::Sensor& sensor) const;
-  const PatchContactOptions& options() const;
+  const fem::PatchOptions& options() const;
 
  private:
   std::shared_ptr<State> state_;

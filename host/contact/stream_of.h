@@ -106,6 +106,9 @@ concept Contacts = requires {
   // Launches on a sensor, what their certificates are worth, and the way back of what does not hold.
   { kind.solver(sensor) } -> std::same_as<std::shared_ptr<const SensorSolver<Kind>>>;
   kind.finish(scenes, solutions);  // solves by other means what all solvers left unsolved
+  // Steps of an answer that are coarse on the cells of the others, and the scene that has such a step alone.
+  { kind.coarse(scene, std::declval<const LaneAnswer&>()) } -> std::same_as<std::vector<std::size_t>>;
+  { kind.alone(scene, std::size_t{}) } -> std::same_as<typename Kind::Scene>;
 };
 
 /// Scenes in, answers to a sink. The stream groups scenes by launch, lays them out, launches them beside the ones
@@ -121,8 +124,12 @@ class StreamOf {
   using Solution = typename Kind::Solution;
   using Key = typename Kind::Key;
   using Solver = SensorSolver<Kind>;
+  /// Steps of an answer that were solved alone, which stand in place of its own.
+  using Alone = std::map<std::size_t, Solution>;
   /// Takes the answer of scene i in place.
-  using LaneSink = std::function<void(std::size_t i, const LaneAnswer& answer)>;
+  using LaneSink = std::function<void(std::size_t i, const LaneAnswer& answer, Alone&& alone)>;
+  /// Returns the steps of the answer of scene i in place that are solved alone.
+  using CoarseSteps = std::function<std::vector<std::size_t>(std::size_t i, const LaneAnswer& answer)>;
   /// Takes the answer of a scene that was solved again.
   using SolutionSink = std::function<void(std::size_t i, Solution&& solution)>;
 
@@ -223,18 +230,22 @@ class StreamOf {
     part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(of.which.size())});
     of.which.push_back(part.places_.size() - 1);
   }
-  /// Gives the answers of a part that has run: lane() where the certificate holds, then solution(). `scene`: returns
-  /// scene i. The part can be read until it ends.
-  void collect(Part& part, const std::function<Scene(std::size_t i)>& scene, const LaneSink& lane,
-               const SolutionSink& solution) const {
+  /// Gives the answers of a part that has run: lane() where the certificate holds, then solution(), then lane() of
+  /// those with steps that are solved alone. `scene`: returns scene i; `coarse`: which steps of answer i are solved
+  /// alone. The part can be read until it ends.
+  void collect(Part& part, const std::function<Scene(std::size_t i)>& scene, const CoarseSteps& coarse,
+               const LaneSink& lane, const SolutionSink& solution) const {
     part.open();
     Groups others(part.launches_.size());
+    std::vector<std::pair<std::size_t, std::vector<std::size_t>>> with_coarse;  // answers, their steps
     part.each(false, [&](std::size_t i, const LaneAnswer& answer) {
       const std::size_t launch = part.places_[i].launch;
-      if (part.launches_[launch].solver->holds(answer))
-        lane(i, answer);
-      else
+      if (!part.launches_[launch].solver->holds(answer))
         others[launch].push_back(i);
+      else if (auto steps = coarse(i, answer); !steps.empty())
+        with_coarse.emplace_back(i, std::move(steps));
+      else
+        lane(i, answer, {});
     });
     for (std::size_t launch = 0; launch < others.size(); ++launch) {
       for (std::span<const std::size_t> rest = others[launch]; !rest.empty();) {
@@ -247,6 +258,16 @@ class StreamOf {
         contacts_.finish(scenes, solutions);
         for (std::size_t k = 0; k < some.size(); ++k) solution(some[k], std::move(solutions[k]));
       }
+    }
+    std::vector<Scene> scenes;
+    for (const auto& [i, steps] : with_coarse)
+      for (const std::size_t step : steps) scenes.push_back(contacts_.alone(scene(i), step));
+    std::vector<Solution> solutions = solve(scenes);
+    auto next = solutions.begin();
+    for (const auto& [i, steps] : with_coarse) {
+      Alone alone;
+      for (const std::size_t step : steps) alone.emplace(step, std::move(*next++));
+      lane(i, part.answer(i), std::move(alone));
     }
   }
 
@@ -284,7 +305,10 @@ class StreamOf {
     const auto gather = [&](Part& part, std::size_t first) {
       collect(
           part, [&](std::size_t k) { return scenes[order[first + k]]; },
-          [&](std::size_t k, const LaneAnswer& answer) { lane(order[first + k], answer); },
+          [&](std::size_t k, const LaneAnswer& answer) { return contacts_.coarse(scenes[order[first + k]], answer); },
+          [&](std::size_t k, const LaneAnswer& answer, Alone&& alone) {
+            lane(order[first + k], answer, std::move(alone));
+          },
           [&](std::size_t k, Solution&& solved) { solution(order[first + k], std::move(solved)); });
     };
     std::future<void> gathered;

@@ -16,7 +16,7 @@ namespace {
 static_assert(int(nn::FrameStatus::ok) == FRAME_OK && int(nn::FrameStatus::no_stress) == FRAME_NO_STRESS);
 static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::FrameStatus::overflow) == FRAME_OVERFLOW);
 static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
-static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
+static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS && nn::least_divisor == LEAST_DIVISOR);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 static_assert(nn::InputScaling::rest_scale == REST_SCALE);
 static_assert(nn::usual_friction == USUAL_FRICTION && nn::usual_spread == USUAL_SPREAD);

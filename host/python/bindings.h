@@ -77,7 +77,13 @@ py::class_<Value> value_class(py::module_& module, const char* name, const char*
   return bound;
 }
 
-/// Binds a struct whose fields, units and defaults its table has (fem/shape_numbers.h).
+/// Adds the fields that the table of a struct has (fem/shape_numbers.h).
+template <class T>
+void add_fields(py::class_<T>& bound) {
+  fem::each_number<T>([&](const auto& number) { bound.def_readonly(number.key, number.member, number.meaning); });
+}
+
+/// Binds a struct whose fields, units and defaults its table has.
 template <class T>
 py::class_<T> numbers_class(py::module_& module, const char* name, const char* doc) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {
@@ -94,7 +100,7 @@ py::class_<T> numbers_class(py::module_& module, const char* name, const char* d
                 return made;
               }),
               (py::arg(std::get<i>(all).key) = T{}.*std::get<i>(all).member)..., (fields + ".").c_str());
-    (bound.def_readonly(std::get<i>(all).key, std::get<i>(all).member, std::get<i>(all).meaning), ...);
+    add_fields(bound);
     return bound;
   }
   (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(fem::numbers<T>)>>>{});

@@ -42,31 +42,24 @@ void bind_pad_shapes(py::module_& m) {
 }
 
 void bind_pad_sensor(py::module_& m) {
-  value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
-                   {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width"})
-      .def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
-                       Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
-                       std::optional<double> length, std::optional<double> width) {
-             const double* both = std::get_if<double>(&pitch);
-             return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
-                        tactel_size, axes,
-                        thickness,   young,
-                        poisson,     length,
-                        width};
-           }),
-           "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
-           "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(),
-           "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
-           "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known.")
-      .def_readonly("tactels", &Pad::tactels, "along x and y")
-      .def_readonly("pitch", &Pad::pitch, "mm, along x and y")
-      .def_readonly("tactel_size", &Pad::tactel_size, "mm: side of a square; 0: points")
-      .def_readonly("axes", &Pad::axes, "3, or 1: normal stress alone")
-      .def_readonly("thickness", &Pad::thickness, "mm")
-      .def_readonly("young", &Pad::young, "MPa")
-      .def_readonly("poisson", &Pad::poisson)
-      .def_readonly("length", &Pad::length, "mm along x; None: not known")
-      .def_readonly("width", &Pad::width, "mm along y; None: not known");
+  auto pad =
+      value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
+                       {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width"});
+  add_fields(pad);
+  pad.def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
+                      Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
+                      std::optional<double> length, std::optional<double> width) {
+            const double* both = std::get_if<double>(&pitch);
+            return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
+                       tactel_size, axes,
+                       thickness,   young,
+                       poisson,     length,
+                       width};
+          }),
+          "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
+          "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(),
+          "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
+          "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known.");
   value_class<PadIndenter>(m, "PadIndenter", "A shape on a pad: its place, and how it is turned.",
                            {"shape", "position", "yaw", "tilt", "tilt_direction"})
       .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction) {
@@ -84,29 +77,15 @@ void bind_pad_sensor(py::module_& m) {
 }
 
 void bind_pad_load(py::module_& m) {
-  value_class<PadLoad>(m, "PadLoad",
-                       "The path of an indenter on a pad: a depth or normal force, then drags and twists.",
-                       {"indentation", "normal_force", "indentation_steps", "tangential", "twist"})
-      .def(py::init([](std::vector<double> indentation, std::vector<double> normal_force, int indentation_steps,
-                       std::vector<Pair> tangential, std::vector<double> twist) {
-             return PadLoad{std::move(indentation), std::move(normal_force), indentation_steps, std::move(tangential),
-                            std::move(twist)};
-           }),
-           "indentation"_a = std::vector<double>{0.2}, "normal_force"_a = std::vector<double>{},
-           "indentation_steps"_a = 1, "tangential"_a = std::vector<Pair>{}, "twist"_a = std::vector<double>{},
-           "indentation: mm; normal_force: N; tangential: mm, successive (x, y); twist: degrees there, empty for none. "
-           "See Press and Force.")
+  numbers_class<PadLoad>(m, "PadLoad",
+                         "The path of an indenter on a pad: a depth or normal force, then drags and twists. See Press "
+                         "and Force.")
       .def("drag", &PadLoad::drag, "step"_a, "steps"_a, "twist"_a = 0.0,
            "Returns this load with `steps` more drags of `step` (x, y) mm, each with a twist of `twist` degrees.")
       .def("drag_to", &PadLoad::drag_to, "positions"_a, "twist"_a = std::vector<double>{},
            "Returns this load with more drags to these positions (x, y) mm, and to these twists, degrees.")
       .def("turn", &PadLoad::turn, "twist"_a, "steps"_a,
-           "Returns this load with `steps` more twists of `twist` degrees in place.")
-      .def_readonly("indentation", &PadLoad::indentation, "mm: targets")
-      .def_readonly("normal_force", &PadLoad::normal_force, "N: targets in place of depths")
-      .def_readonly("indentation_steps", &PadLoad::indentation_steps)
-      .def_readonly("tangential", &PadLoad::tangential, "mm: positions (x, y)")
-      .def_readonly("twist", &PadLoad::twist, "degrees at these positions; empty: none");
+           "Returns this load with `steps` more twists of `twist` degrees in place.");
 }
 
 }  // namespace

@@ -9,12 +9,11 @@ namespace {
 
 using namespace pybind11::literals;
 
+template <class Indenter, class... Shapes>
+std::variant<Indenter, Shapes...> with_shapes(const std::variant<Shapes...>&);
 /// An indenter, or its shape alone in the middle of the array.
-using AnyIndenter =
-    std::variant<Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
-
-/// The same of a pad.
-using AnyPadIndenter = std::variant<PadIndenter, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+using AnyIndenter = decltype(with_shapes<Indenter>(Shape{}));
+using AnyPadIndenter = decltype(with_shapes<PadIndenter>(PadShape{}));
 using AnyPadLoad = std::variant<PadLoad, Load>;
 
 template <class Indenter, class Any>
@@ -29,32 +28,47 @@ Indenter indenter_of(Any any) {
       any);
 }
 
-/// Returns a field that a constructor was given, or its usual value. Throws InputError for one of another kind.
-template <class Field>
-Field field_of(const py::object& given, Field usual, const char* name, const char* kind) {
+/// Returns the classes of a variant: "Indenter, Flat, Wedge or Profile".
+template <class... Kinds>
+std::string classes_of(const std::variant<Kinds...>&) {
+  std::string names;
+  std::size_t left = sizeof...(Kinds);
+  const auto add = [&](const py::handle& kind) {
+    --left;
+    names += kind.attr("__name__").cast<std::string>() + (left > 1 ? ", " : left == 1 ? " or " : "");
+  };
+  (add(py::type::of<Kinds>()), ...);
+  return names;
+}
+
+/// Returns a field that a constructor was given, or its usual value. Throws InputError for one of another kind; kind():
+/// what it must be.
+template <class Field, class Kind>
+Field field_of(const py::object& given, Field usual, const char* name, const Kind& kind) {
   if (given.is_none()) return usual;
   try {
     return given.cast<Field>();
   } catch (const py::cast_error&) {
-    throw InputError(name, py::type::of(given).attr("__name__").cast<std::string>(), kind);
+    throw InputError(name, py::type::of(given).attr("__name__").cast<std::string>(), kind());
   }
 }
 
 AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& indenter, double friction,
                   const py::object& load, std::string title) {
   if (const Pad* pad = std::get_if<Pad>(&sensor)) {
-    auto shape = field_of<AnyPadIndenter>(indenter, PadIndenter{}, "indenter",
-                                          "must be a PadIndenter, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone "
-                                          "or HeightMap, as the sensor is a Pad");
-    auto path = field_of<AnyPadLoad>(load, PadLoad{}, "load", "must be a PadLoad, or Press or Force");
+    auto shape = field_of<AnyPadIndenter>(indenter, PadIndenter{}, "indenter", [] {
+      return "must be a " + classes_of(AnyPadIndenter{}) + ", as the sensor is a Pad";
+    });
+    auto path = field_of<AnyPadLoad>(load, PadLoad{}, "load", [] { return "must be a PadLoad, or Press or Force"; });
     const Load* press = std::get_if<Load>(&path);
     return {PadScene{std::move(title), *pad, indenter_of<PadIndenter>(std::move(shape)), friction,
                      press ? on_pad(*press) : std::get<PadLoad>(std::move(path))}};
   }
-  auto shape = field_of<AnyIndenter>(indenter, Indenter{}, "indenter",
-                                     "must be an Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, "
-                                     "RoundedFlat, Taylor or Profile, as the sensor is no Pad");
-  auto path = field_of<Load>(load, Load{}, "load", "must be a Load, of drags along x, as the sensor is no Pad");
+  auto shape = field_of<AnyIndenter>(indenter, Indenter{}, "indenter", [] {
+    return "must be an " + classes_of(AnyIndenter{}) + ", as the sensor is no Pad";
+  });
+  auto path =
+      field_of<Load>(load, Load{}, "load", [] { return "must be a Load, of drags along x, as the sensor is no Pad"; });
   return {Scene{std::move(title), std::get<Sensor>(sensor), indenter_of<Indenter>(std::move(shape)), friction,
                 std::move(path)}};
 }

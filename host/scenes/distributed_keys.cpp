@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "fem/scene_numbers.h"
+#include "host/scenes/number_reader.h"
 #include "host/scenes/scene_tables.h"
 
 namespace tactel::host {
@@ -84,10 +84,9 @@ const std::vector<Entry<P>>& entries(const P*) {
     add_drawn<fem::PadSensor>(made, "sensor");
     add_drawn<fem::PadIndenter>(made, "indenter");
     add_shapes(made, fem::PadShape{});
+    made.push_back({"", "contact.friction", [](P& s, int, double v) { s.friction = v; }});
+    add_drawn<fem::PadLoad>(made, "load");
     const Entry<P> others[] = {
-        {"", "contact.friction", [](P& s, int, double v) { s.friction = v; }},
-        {"", "load.indentation", [](P& s, int i, double v) { s.load.indentation[i] = v; }},
-        {"", "load.normal_force", [](P& s, int i, double v) { s.load.normal_force[i] = v; }},
         {"", "load.tangential", [](P& s, int i, double v) { s.load.drags[i / 2][i % 2] = v; }},
         {"", "load.tangential_step", put_step},
         {"", "load.twist", [](P& s, int i, double v) { s.load.drags[i][2] = radians(v); }},
@@ -101,7 +100,9 @@ const std::vector<Entry<P>>& entries(const P*) {
 
 template <class Scene>
 bool fits(const Entry<Scene>& entry, const std::string& shape) {
-  if (entry.key.starts_with("indenter.tilt")) return shape == "punch" || shape == "box";
+  if (entry.key.starts_with("indenter.tilt"))
+    return std::ranges::any_of(shapes_of<fem::PadShape>(),
+                               [&](const auto& s) { return s.name == shape && fem::tilts(s.made); });
   return entry.shape.empty() || entry.shape == shape;
 }
 

@@ -20,7 +20,7 @@ struct Rung {
   int rows = 11;     ///< nodes through the thickness
   int steps = 1;     ///< increments to each requested indentation or normal force; drags are unchanged
   Precision precision = Precision::fp64;
-  double tolerance = 1e-7;  ///< GapSweepOptions::tolerance, PatchContactOptions::tolerance
+  double tolerance = 1e-7;  ///< GapSweepOptions::tolerance, fem::PatchOptions::tolerance
   double accept = 0;        ///< largest residual of a solved step; 0: fem::by_rule of patch and mesh
   fem::Element element = fem::Element::bbar;
   bool sides = true;   ///< of a patch: with the sensor's free sides

@@ -70,6 +70,22 @@ void read_numbers(TomlTable& in, T& into, bool complete) {
   });
 }
 
+/// Reads the pressing of a load, by depth or by force; where it is `needed`, one of them must be there.
+template <class Load>
+void read_pressing(TomlTable& in, Load& load, bool needed) {
+  const auto& all = fem::numbers<Load>;
+  const auto &depth = std::get<0>(all), &force = std::get<1>(all);
+  const auto& steps = std::get<2>(all);
+  const std::string given = in.only_one({depth.key, force.key});
+  if (given.empty() && needed)
+    in.refuse_missing(depth.key,
+                      std::string("given, a number of mm (or load.normal_force, a number of ") + force.unit + ")");
+  if (given == force.key) load.indentation.clear();
+  for (const auto* targets : {&depth, &force})
+    in.read_one_or_more(targets->key, load.*targets->member, targets->allowed);
+  in.read(steps.key, load.indentation_steps, steps.allowed);
+}
+
 /// A shape of indenters: its word in files, its keys besides those of all shapes, and its defaults.
 template <class Shape>
 struct ShapeName {

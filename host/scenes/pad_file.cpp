@@ -53,15 +53,6 @@ void read_pad_friction(const TomlFile& file, double& friction) {
   in.finish();
 }
 
-void read_pressing(TomlTable& in, fem::PadLoad& load) {
-  const std::string given = in.only_one({"indentation", "normal_force"});
-  if (given.empty()) in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N)");
-  if (given == "normal_force") load.indentation.clear();
-  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of successive targets");
-  in.read_one_or_more("normal_force", load.normal_force, "a number of N, or an array of successive targets");
-  in.read("indentation_steps", load.indentation_steps, "a whole number of steps, 1 to 1000");
-}
-
 /// Drags in equal steps.
 void read_drag_steps(TomlTable& in, fem::PadLoad& load) {
   std::array<double, 2> step{};
@@ -100,7 +91,7 @@ void read_pad_load(const TomlFile& file, fem::PadLoad& load) {
   in.refuse_any({"angle"}, left_out_of_a_pad);
   in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential", "twist", "tangential_step",
                      "twist_step", "tangential_steps"});
-  read_pressing(in, load);
+  read_pressing(in, load, true);
   for (const char* step : {"tangential_step", "twist_step"})
     for (const char* position : {"tangential", "twist"}) in.only_one({position, step});
   read_drag_steps(in, load);

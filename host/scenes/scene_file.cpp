@@ -53,13 +53,7 @@ void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
   in.refuse_any({"twist", "twist_step"}, left_out_of_a_line);
   in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential_step", "tangential_steps",
                      "tangential", "angle"});
-  const std::string given = in.only_one({"indentation", "normal_force"});
-  if (given.empty() && !preset)
-    in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
-  if (given == "normal_force") load.indentation.clear();
-  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of successive targets");
-  in.read_one_or_more("normal_force", load.normal_force, "a number of N/mm, or an array of successive targets");
-  in.read("indentation_steps", load.indentation_steps, "a whole number of steps, at least 1");
+  read_pressing(in, load, !preset);
 }
 
 void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {

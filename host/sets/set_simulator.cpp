@@ -10,7 +10,6 @@
 
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
-#include "fem/pad/pad_presses.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
@@ -134,9 +133,9 @@ void put_stress(const fem::PadStep& step, std::span<float> frame) {  // [tactels
                  [](double stress) { return static_cast<float>(stress); });
 }
 
-/// Steps of the pressing that were solved alone, by the contact's number and the step.
+/// Contacts that have steps that were solved alone, by their place in the range.
 template <class Contacts>
-using Alone = std::map<std::pair<std::uint64_t, int>, typename Contacts::Solution>;
+using Alone = std::map<std::uint64_t, typename StreamOf<Contacts>::Alone>;
 
 /// Elements or cells a side of an answer. 0: of a mesh, which is not laid for a contact.
 int along_side(const fem::ContactSolution& solution) { return static_cast<int>(solution.surface_width.size()); }
@@ -187,7 +186,8 @@ struct StepsOfLane {
   }
   const typename Contacts::Solution* solved_alone(int k) const {  ///< none: the step is the answer's; of lines all are
     if constexpr (!Contact<Contacts>::of_lines)
-      if (const auto exact = alone->find({contact->number, k}); exact != alone->end()) return &exact->second;
+      if (alone)
+        if (const auto exact = alone->find(static_cast<std::size_t>(k)); exact != alone->end()) return &exact->second;
     return nullptr;
   }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING; }
@@ -195,7 +195,7 @@ struct StepsOfLane {
 
   LaneAnswer answer;
   const Contact<Contacts>* contact;
-  const Alone<Contacts>* alone;
+  const typename StreamOf<Contacts>::Alone* alone;  ///< none: no step was
   int along_side;
 };
 
@@ -400,7 +400,7 @@ int rows_of_tactels(const fem::Sensor&) { return 1; }
 int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
 
 PadModel model_for(Executor&, const PadSource& source, const SetOptions& options) {
-  PadModel model{{.cells = options.pad.cells, .increments = options.pad.increments}, options.precision};
+  PadModel model{{.cells = options.pad.cells, .pressing_increments = options.pad.increments}, options.precision};
   model.options.any_poisson = source.own_sensors() && source.own_sensors()->any_poisson;
   if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
   return model;
@@ -449,12 +449,13 @@ class Simulator final : public SetSimulator::State {
   ContactSet collect(Range& range) override;
 
  private:
-  StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Contact<Contacts>& contact,
+  /// The steps of contact k of a range.
+  StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Chunk& chunk, std::uint64_t k,
                                  const Alone<Contacts>& alone) const {
-    return {answer, &contact, &alone, along_side_};
+    const auto found = alone.find(k);
+    return {answer, &chunk.contacts[k], found == alone.end() ? nullptr : &found->second, along_side_};
   }
   std::vector<std::size_t> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;
-  void solve_alone(const std::vector<std::pair<std::uint64_t, int>>& steps, Alone<Contacts>& alone) const;
   void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen,
                const Alone<Contacts>& alone);
 
@@ -484,19 +485,6 @@ std::vector<std::size_t> Simulator<Contacts>::to_solve_alone(const LaneAnswer& a
   }
 }
 
-template <class Contacts>
-void Simulator<Contacts>::solve_alone(const std::vector<std::pair<std::uint64_t, int>>& steps,
-                                      Alone<Contacts>& alone) const {
-  if constexpr (!Contact<Contacts>::of_lines) {
-    std::vector<fem::PadScene> scenes;
-    scenes.reserve(steps.size());
-    for (const auto& [number, k] : steps)
-      scenes.push_back(fem::pressed_alone(source_.contact(number).scene, static_cast<std::size_t>(k)));
-    std::vector<fem::PadSolution> solutions = stream_.solve(scenes);
-    for (std::size_t i = 0; i < steps.size(); ++i) alone.emplace(steps[i], std::move(solutions[i]));
-  }
-}
-
 /// Readings in place of stresses, in the rows of a chunk. They depend on all load steps up to them, so these go through
 /// the chain, rows or not.
 template <class Contacts>
@@ -508,7 +496,7 @@ void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     contacts.push_back({chunk.first + k, rows[k] == rows[k + 1] ? 0 : set.step[rows[k + 1] - 1] + 1});
     const auto solution = fallen.find(k);
-    const StepsOfLane<Contacts> steps = steps_of(answer, chunk.contacts[k], alone);
+    const StepsOfLane<Contacts> steps = steps_of(answer, chunk, k, alone);
     for (std::uint32_t step = 0; step < contacts.back().steps; ++step) {
       signal.resize(signal.size() + inputs);
       const auto frame = std::span(signal).last(inputs);
@@ -581,8 +569,6 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
     if (range.answered) ++*range.answered;
   };
   Alone<Contacts> alone;
-  std::vector<std::pair<std::uint64_t, int>> to_solve;  // alone: number of the contact, step
-  std::vector<std::size_t> surveyed_later;              // contacts that have such steps
   std::optional<Clock::time_point> begin_again;
   stream_.collect(
       chunk.part,
@@ -590,15 +576,10 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         if (!begin_again) begin_again = Clock::now();
         return source_.contact(chunk.contacts[k].number).scene;
       },
-      [&](std::size_t k, const LaneAnswer& answer) {
-        auto& contact = chunk.contacts[k];
-        const std::vector<std::size_t> steps = to_solve_alone(answer, contact);
-        for (const std::size_t step : steps) to_solve.emplace_back(contact.number, static_cast<int>(step));
-        if (!steps.empty()) {
-          surveyed_later.push_back(k);
-          return;
-        }
-        rows[k + 1] = survey(set, steps_of(answer, contact, alone), contact);
+      [&](std::size_t k, const LaneAnswer& answer) { return to_solve_alone(answer, chunk.contacts[k]); },
+      [&](std::size_t k, const LaneAnswer& answer, typename StreamOf<Contacts>::Alone&& solved_alone) {
+        if (!solved_alone.empty()) alone.emplace(k, std::move(solved_alone));
+        rows[k + 1] = survey(set, steps_of(answer, chunk, k, alone), chunk.contacts[k]);
         answered();
       },
       [&](std::size_t k, typename Contacts::Solution&& solution) {
@@ -609,15 +590,6 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         fallen[k] = std::move(solution);
         answered();
       });
-  if (!to_solve.empty()) {
-    if (!begin_again) begin_again = Clock::now();
-    solve_alone(to_solve, alone);
-    for (const std::size_t k : surveyed_later) {
-      auto& contact = chunk.contacts[k];
-      rows[k + 1] = survey(set, steps_of(chunk.part.answer(k), contact, alone), contact);
-      answered();
-    }
-  }
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
   set.contacts = chunk.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
@@ -630,7 +602,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     if (rows[k] == rows[k + 1] || fallen.contains(k)) return;
-    together.push_back({rows[k], steps_of(answer, chunk.contacts[k], alone)});
+    together.push_back({rows[k], steps_of(answer, chunk, k, alone)});
     if (together.size() == std::min(answer.stride, side_by_side_answers)) put();
   });
   put();

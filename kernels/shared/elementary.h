@@ -58,4 +58,11 @@ static inline vreal exp_minus_1(vreal x) {
   return fma(power, sum * r, power - 1);
 }
 
+/* ratio^(1 / power), between 0.1 and 10: of depths, by the ratio of forces. */
+static inline vreal depth_factor(vreal ratio, vreal power) {
+  const vreal z = natural_log(LARGER(ratio, ALL_LANES((real)1e-20))) / power, most = ALL_LANES((real)2.302585092994046);
+  const vreal e = 1 + exp_minus_1(SMALLER(fabs(z), most));
+  return PICK(z < 0, 1 / e, e);
+}
+
 #endif

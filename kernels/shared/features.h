@@ -9,7 +9,6 @@
 #define GRID_TACTELS (GRID_COLUMNS * GRID_ROWS)
 #define FEATURE_AXES (FEATURES_PAD ? 3 : 2)
 #define FEATURE_SUMS (FEATURES_PAD ? 17 : 8)
-#define LEAST_DIVISOR 0.2f /* nn::least_divisor */
 
 INLINE void swap_where(vint where, vreal *a, vreal *b) {
   const vreal was = *a;

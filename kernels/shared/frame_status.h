@@ -12,6 +12,7 @@
 
 #define TOUCHING_SHARE 0.05f   /* nn::Bound::touching_share */
 #define SMALLEST_STRESS 1e-12f /* MPa: less is no stress (scaling by frame) */
+#define LEAST_DIVISOR 0.2f     /* nn::least_divisor of features */
 
 /* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero.
    Such a frame is first multiplied by LARGE_SCALE, a power of two, which keeps its bits. */

@@ -20,7 +20,6 @@ struct SlipEstimator::Network {
   int normals = 0;                 ///< normal stresses of the newest frame
   nn::InputScaling scaling;
   nn::InputHistory history;
-  bool by_frame = false;
   float factor = 0;
   nn::Learnt learnt;
   infer::Metadata metadata;

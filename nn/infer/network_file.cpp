@@ -461,7 +461,6 @@ SlipEstimator SlipEstimator::Network::of(const nn::Model& model, infer::Metadata
   network->scaling = model.scaling;
   network->history = model.history;
   network->normals = model.scaling.normals(network->inputs);
-  network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
   network->factor = 1.0f / model.scaling.largest_stress;
   network->learnt = model.learnt;
   network->metadata = std::move(metadata);

@@ -119,7 +119,7 @@ AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, cons
 AnswerStatus scale_stresses(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
   float factor = network.factor, scale = 1, largest = 0;
-  if (network.by_frame) {
+  if (network.scaling.kind == nn::ScalingKind::frame) {
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
     if (largest < nn::InputScaling::smallest_stress) return AnswerStatus::no_stress;
     if (largest > nn::InputScaling::large_stress) scale = nn::InputScaling::large_scale;

@@ -62,7 +62,7 @@ class Errors(unittest.TestCase):
     def test_names_place_problem_and_fix(self):
         for place, problem, fix, call in (
                 ("indenter", "Parabola", "PadIndenter, Sphere", lambda: tactel.Scene(PAD, tactel.Parabola())),
-                ("indenter", "Sphere", "Indenter, Parabola", lambda: tactel.Scene(tactel.Sensor(), tactel.Sphere())),
+                ("indenter", "Sphere", "Indenter, Flat", lambda: tactel.Scene(tactel.Sensor(), tactel.Sphere())),
                 ("indenter", "PadIndenter", "no Pad", lambda: SPHERE.with_(sensor=tactel.Sensor())),
                 ("load", "drag", "Press", lambda: tactel.Scene(PAD, load=tactel.Press(0.1).drag(0.1, steps=2))),
                 ("load", "PadLoad", "no Pad", lambda: tactel.Scene(load=DRAG)),

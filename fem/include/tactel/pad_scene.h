@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <variant>
 
 // Parts of scenes of a pad (docs/pads.md), which the mechanics compute with as they are: lengths in mm, stresses in
 // MPa, angles in degrees. Every number has the name, unit and default of its key.
@@ -48,5 +49,8 @@ struct Box {
 struct Cone {
   double angle = 75.0;  ///< degrees between surface and axis, above 0 and below 90
 };
+/// All shapes; `Map`: measured heights.
+template <class Map>
+using PadShapes = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, Map>;
 
 }  // namespace tactel

@@ -19,22 +19,10 @@ import time as _time
 import typing as _typing
 
 from . import _driver as _driver, _calls, _tactel
-from ._tactel import (
-    Alarm, AlarmAnswer, Answer, Box, Cancelled, Cone, Cylinder, Derivatives, DeviceInfo, Element, Error, Errors, Exponential, Flat, Force,
-    Frame, HardwareError, HeightMap, Indenter, InputError, LiveEstimator, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
-    PadTactels, Parabola, Paraboloid, Path, Paths, Press, Profile, Punch, RoundedFlat, Scene, Sensor, Set, SlipEstimator,
-    Sphere, Stream, StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, devices, heights, open_sensor, read_scene,
-    read_set, solve,
-)
+from ._tactel import *  # noqa: F403
+from ._tactel import __version__
 
-__all__ = [
-    "Alarm", "AlarmAnswer", "Answer", "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "DeviceInfo", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
-    "Frame", "HardwareError", "HeightMap", "Indenter", "InputError", "LiveEstimator", "Load", "LyingCylinder", "Mesh", "Network", "Pad",
-    "PadIndenter", "PadLoad", "PadPath", "PadPaths", "PadTactels", "Parabola", "Paraboloid", "Path", "Paths", "Press",
-    "Profile", "Punch", "RoundedFlat", "Scene", "Sensor", "Set", "SlipEstimator", "Sphere", "Stream", "StressRecovery", "Sweep",
-    "Tactels", "Taylor", "Trapezoid", "Wedge", "bonded", "devices", "heights", "open_sensor", "read_scene", "read_set", "solve",
-    "solve_many", "train",
-]
+__all__ = sorted({name for name in vars(_tactel) if not name.startswith("_")} | {"solve_many", "train"})
 
 if _typing.TYPE_CHECKING:  # names of types, for the functions below and the module; the build makes __init__.pyi of all
     import os
@@ -44,7 +32,7 @@ if _typing.TYPE_CHECKING:  # names of types, for the functions below and the mod
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    Shape = Parabola | Flat | Wedge | Cylinder | Exponential | Trapezoid | RoundedFlat | Taylor | Profile
+    Shape = Flat | Wedge | Parabola | Cylinder | Exponential | Trapezoid | RoundedFlat | Taylor | Profile
     PadShape = Sphere | Paraboloid | LyingCylinder | Punch | Box | Cone | HeightMap
     Pair = tuple[float, float] | list[float]
     Float32 = NDArray[np.float32]
@@ -90,8 +78,9 @@ def _equal(a, b):
     return a.tolist() == b.tolist() if hasattr(a, "tolist") else a == b
 
 
-for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile, Mesh, Sensor, Indenter,
-               Load, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap, Pad, PadIndenter, PadLoad, Scene):
+for _class in vars(_tactel).values():
+    if "_fields" not in getattr(_class, "__dict__", {}):
+        continue
     _class.with_ = _with
     _class.__repr__ = _describe
     _class.__eq__ = lambda self, other: type(self) is type(other) and all(map(_equal, _values(self), _values(other)))

@@ -198,7 +198,7 @@ void add_pads(List& list) {
     s.indenter.shape = fem::Paraboloid{{0.1, 40}};
   });
   list.add_pad("contact", "measured pyramid", [](fem::PadScene& s) {
-    const Eigen::ArrayXd far = Eigen::ArrayXd::LinSpaced(21, -1, 1).abs();
+    const Eigen::ArrayXd far = Eigen::ArrayXd::LinSpaced(21, -10, 10).abs() / 10;
     s.indenter.shape = fem::HeightMap{0.2, (far.replicate(1, 21) + far.transpose().replicate(21, 1)).matrix()};
   });
   list.add_pad("contact", "sharp box", [](fem::PadScene& s) { s.indenter.shape = fem::Box{}; });

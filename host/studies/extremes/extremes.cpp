@@ -106,7 +106,8 @@ ContactSolution by_cells(const fem::PadSolution& pad) {
 Answers on_pad(Executor& executor, const fem::PadScene& scene) {
   PadModel model = model_of(usual_pad_rung());
   const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
-  const fem::PadSolver twin(layer, {.tolerance = twin_tolerance, .pressing_increments = model.options.increments});
+  const fem::PadSolver twin(layer,
+                            {.tolerance = twin_tolerance, .pressing_increments = model.options.pressing_increments});
   ContactSolution reference;
   const auto batched = [&](Precision precision) {
     model.precision = precision;

@@ -32,22 +32,6 @@ AnswerError answer_error(const AnswerError& e) {
   return {.S = e.S, .P = e.P, .Q = std::max(e.Q, e.M), .sigma = e.sigma, .tau = e.tau};
 }
 
-/// `errors` and answers: [scenes].
-MeasuredModel judged_model(const PadRung& rung, const std::vector<fem::PadSolution>& answers,
-                           const std::vector<AnswerError>& errors) {
-  MeasuredModel model{.rung = rung, .error = quantiles(errors)};
-  double steps = 0;
-  for (const fem::PadSolution& answer : answers)
-    for (const fem::PadStep& step : answer.steps) {
-      steps += 1;
-      model.unsolved += !step.converged;
-      model.sweeps += step.iterations;
-    }
-  model.unsolved /= steps;
-  model.sweeps /= steps;
-  return model;
-}
-
 double asked_on_pads(const std::vector<fem::PadScene>& scenes) {
   return std::transform_reduce(scenes.begin(), scenes.end(), 0.0, std::plus(), [](const fem::PadScene& scene) {
     return static_cast<double>(fem::pad_targets(scene.load).size());

@@ -79,21 +79,6 @@ std::vector<AnswerError> answer_errors(std::span<const fem::Scene> scenes, const
   return errors;
 }
 
-MeasuredModel judged_model(std::span<const fem::Scene> scenes, const Answers& answers, const Rung& rung,
-                           const Answers& truth, const Rung& judge) {
-  MeasuredModel model{.rung = rung, .error = quantiles(answer_errors(scenes, answers, rung, truth, judge))};
-  double increments = 0;
-  for (const auto& answer : answers)
-    for (const auto& step : answer.steps) {
-      increments += 1;
-      model.unsolved += !step.converged;
-      model.sweeps += step.iterations;
-    }
-  model.unsolved /= increments;
-  model.sweeps /= increments;
-  return model;
-}
-
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
   std::vector<Rung> models = all_rungs();
   for (const Rung& rung : other_models()) models.push_back(rung);
@@ -121,7 +106,7 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
     const bool judge = rung.name == reference.name;
     const std::span<const fem::Scene> some = rung.patch() ? std::span(scenes) : few;
     const Answers answers = judge ? truth : solve(some, rung);
-    result.models.push_back(judged_model(some, answers, rung, truth, reference));
+    result.models.push_back(judged_model(rung, answers, answer_errors(some, answers, rung, truth, reference)));
     result.models.back().steps_per_second =
         rung.exact ? asked_in_all(some) / (judge ? reference_seconds : seconds) : steps_per_second(executor, rung);
   }

@@ -10,12 +10,17 @@
 namespace tactel::fem {
 namespace {
 
-const PadReferenceOptions coarse{.cells = 24, .tolerance = 1e-4, .pressing_increments = 4, .drag_increments = 1};
+const PadOptions coarse{.cells = 24,
+                        .tolerance = 1e-4,
+                        .pressing_increments = 4,
+                        .drag_increments = 1,
+                        .limit_increments = 3,
+                        .ladder = false};
 
 TEST(PadReference, StatesItsOwnError) {
   PadSensor sensor;
   const PadLayer layer(sensor.poisson);
-  PadReferenceOptions fine = coarse;
+  PadOptions fine = coarse;
   fine.cells = 40;
   PadMix mix(11, &sensor);
   for (int k = 0; k < 3; ++k) {

@@ -53,7 +53,7 @@ TEST_P(Acceptance, OfARungHoldsTheBound) {
         fp32 ? accepted(GapSweep<float>(executor, small, mesh)) : accepted(GapSweep<double>(executor, small, mesh)),
         bound(precision));
     if (!on_patch) continue;
-    const PatchContactOptions& patch = on_patch->options;
+    const fem::PatchOptions& patch = on_patch->options;
     EXPECT_LE(fp32 ? accepted(PatchContact<float>(executor, sensor, patch))
                    : accepted(PatchContact<double>(executor, sensor, patch)),
               bound(precision));

@@ -23,8 +23,8 @@ TEST_P(LittleFriction, IsAsRightInFp32AsAHundredth) {
   scene.load.indentation = {0.15};
   for (const double x : {0.05, 0.1, 0.2, 0.3, 0.15, -0.1}) scene.load.tangential.push_back(mu * x);
   for (const char* rung : {"patch-12", "mesh-81"}) {
-    const auto single = solve(scene, {.precision = "fp32", .rung = rung}).solution;
-    const auto exact = solve(scene, {.precision = "fp64", .rung = rung}).solution;
+    const auto single = solve(scene, {.rung = rung, .precision = "fp32"}).solution;
+    const auto exact = solve(scene, {.rung = rung, .precision = "fp64"}).solution;
     ASSERT_EQ(single.steps.size(), exact.steps.size());
     for (std::size_t k = 0; k < exact.steps.size(); ++k) {
       EXPECT_TRUE(single.steps[k].converged) << rung;

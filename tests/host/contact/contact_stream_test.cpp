@@ -16,13 +16,9 @@
 namespace tactel::host {
 namespace {
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 /// A model without a kernel: a lane "answers" with as many steps as its scene's value. Multiples of three do not hold,
-/// and are solved again: to ten times the value, which `finish` makes one more for values above a hundred.
+/// and are solved again: to ten times the value, which `finish` makes one more for values above a hundred. Steps 0 and
+/// 2 of the values 5, 65, 125, ... are solved alone.
 struct Counting {
   struct Scene {
     int sensor = 0, value = 0;
@@ -95,6 +91,14 @@ struct Counting {
   static void finish(std::span<const Scene> scenes, std::vector<int>& solutions) {
     for (std::size_t k = 0; k < scenes.size(); ++k) solutions[k] += scenes[k].value > 100;
   }
+  static std::vector<std::size_t> coarse(const Scene& scene, const LaneAnswer& answer) {
+    EXPECT_EQ(answer.steps, scene.value);
+    if (scene.value % 60 == 5) return {0, 2};
+    return {};
+  }
+  static Scene alone(const Scene& scene, std::size_t step) {
+    return {scene.sensor, 3 * scene.value + static_cast<int>(step)};
+  }
   Model launches;
 };
 
@@ -114,9 +118,13 @@ TEST(ContactStream, GivesEachSceneOnceInPlaceOrSolvedAgain) {
   std::vector<std::size_t> progress;
   const bool all = stream.solve(
       scenes,
-      [&](std::size_t i, const LaneAnswer& answer) {
+      [&](std::size_t i, const LaneAnswer& answer, StreamOf<Counting>::Alone&& alone) {
         EXPECT_EQ(lane[i], -1);
         lane[i] = answer.steps;
+        StreamOf<Counting>::Alone expected;
+        if (i % 60 == 5)
+          for (const int step : {0, 2}) expected[step] = solution_of(3 * static_cast<int>(i) + step);
+        EXPECT_EQ(alone, expected);
       },
       [&](std::size_t i, int&& solution) {
         EXPECT_EQ(solved[i], -1);
@@ -149,7 +157,7 @@ TEST(ContactStream, EndsWhereProgressSaysSo) {
   std::atomic<int> answers = 0;
   const auto scenes = counting_scenes(20000);
   EXPECT_FALSE(stream.solve(
-      scenes, [&](std::size_t, const LaneAnswer&) { ++answers; }, [&](std::size_t, int&&) { ++answers; },
+      scenes, [&](std::size_t, const LaneAnswer&, auto&&) { ++answers; }, [&](std::size_t, int&&) { ++answers; },
       [](std::size_t done) { return done < 8192; }));
   EXPECT_EQ(answers, 8192);
 }
@@ -190,7 +198,7 @@ TEST(ContactStream, LanesAndSolutionsHaveTheSameNumbers) {
     std::size_t in_place = 0, again = 0;
     stream.solve(
         scenes,
-        [&](std::size_t i, const LaneAnswer& answer) {
+        [&](std::size_t i, const LaneAnswer& answer, auto&&) {
           ++in_place;
           ASSERT_FALSE(expected[i].fell_back) << i;
           for (std::size_t k = 0; k < expected[i].steps.size(); ++k) {

@@ -14,11 +14,6 @@
 namespace tactel::host {
 namespace {
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 /// The laws of fem/pad/pad_contact.h from the forces of an answer, step after step. All increments of its path must be
 /// asked.
 class Audit {
@@ -139,7 +134,7 @@ TEST_P(RandomPads, NoneIsUnsettled) {
   double worst = 0;
   stream.solve(
       scenes,
-      [&](std::size_t i, const LaneAnswer& answer) {
+      [&](std::size_t i, const LaneAnswer& answer, auto&&) {
         ++in_place;
         for (int k = 0; k < answer.steps; ++k, ++steps) {
           for (int row = RESULT_PENETRATION; row <= PAD_RESULT_ANGLE; ++row)

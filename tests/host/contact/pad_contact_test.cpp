@@ -25,11 +25,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 fem::PadSensor sensor_of(double poisson) {
   return {.tactels = {4, 5}, .pitch = {1.5, 1.2}, .thickness = 2, .young = 1.5, .poisson = poisson};
 }
@@ -56,7 +51,7 @@ void expect_named_scenes(double near, double near_S) {
   for (const fem::NamedScene& named : fem::named_scenes()) {
     const PadContact<Real> contact(
         executor(),
-        {.cells = 16, .increments = 2, .limit_increments = 0, .tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-8});
+        {.cells = 16, .tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-8, .pressing_increments = 2, .limit_increments = 0});
     const fem::PadSolution solution = ran(contact, std::span(&named.scene, 1), std::vector{named.cells()}).solution(0);
     ASSERT_EQ(solution.steps.size(), named.steps.size());
     for (std::size_t k = 0; k < named.steps.size(); ++k) {

@@ -14,11 +14,6 @@
 namespace tactel::host {
 namespace {
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 /// Scenes of two Poisson's ratios, some with their own, two arrays of tactels and any thickness and E; some by force.
 std::vector<fem::PadScene> pad_scenes(std::size_t count) {
   fem::PadMix draw(11);
@@ -50,7 +45,7 @@ struct Taken {
       const std::function<bool(std::size_t)>& progress = [](std::size_t) { return true; }) {
     return stream.solve(
         scenes,
-        [&](std::size_t i, const LaneAnswer& answer) {
+        [&](std::size_t i, const LaneAnswer& answer, auto&&) {
           ++in_place[i];
           const std::array<int, 2> tactels = scenes[i].sensor.tactels;
           std::vector<double> stress(static_cast<std::size_t>(3 * tactels[0] * tactels[1]));
@@ -181,7 +176,7 @@ TEST(PadStream, AnswersOnCellsThatAreTooSmallDoNotHold) {
   std::vector<fem::PadScene> scenes(2);
   for (fem::PadScene& scene : scenes) scene.load.indentation = {0.25};
   const std::vector<fem::PadCells> cells{{.n = 8, .hx = 0.2, .hy = 0.25}, {.n = 8, .hx = 0.5, .hy = 0.5}};
-  const PadContactOptions options{.cells = 8};
+  const fem::PadOptions options{.cells = 8};
   auto batch = PadContact<float>(executor(), options).prepare(scenes, cells);
   batch.run();
   const auto solver = PadContacts(executor(), {.options = options}).solver(scenes[0].sensor);

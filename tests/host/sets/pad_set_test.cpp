@@ -225,7 +225,7 @@ TEST_F(PadSet, RowsOnFewCellsAreSolvedAloneOrMarked) {
       scene.load = {.indentation = {depth}};
       if (depth > 0.5 * depths.back()) continue;
       ++alone;
-      const PadOutcome outcome = solve(scene, {.precision = "fp32", .rung = "pad-8"});
+      const PadOutcome outcome = solve(scene, {.rung = "pad-8", .precision = "fp32"});
       const fem::PadStep& expected = outcome.solution.steps.front();
       EXPECT_EQ(set.normal_force[row], static_cast<float>(expected.P)) << depth;
       EXPECT_EQ(set.slip_index[row], static_cast<float>(*expected.slip_index)) << depth;
@@ -293,7 +293,7 @@ TEST_F(PadSet, EveryContactHasItsOwnPoissonsRatio) {
   for (std::size_t k = 0; k < whole.rows(); k += 37) {
     const fem::PadScene scene = sweep.contact(whole.contact[k]).scene;
     SCOPED_TRACE(testing::Message() << "contact " << whole.contact[k]);
-    const PadOutcome outcome = solve(scene, {.precision = "fp32", .rung = "pad-8"});
+    const PadOutcome outcome = solve(scene, {.rung = "pad-8", .precision = "fp32"});
     const fem::PadStep& expected = outcome.solution.steps[whole.step[k]];
     EXPECT_NEAR(whole.normal_force[k] / expected.P, 1, 1e-3);
     EXPECT_NEAR(whole.slip_index[k], *expected.slip_index, 1e-3);

@@ -15,7 +15,7 @@ struct HeightMap {
   std::size_t columns = 0;        ///< points along x
   std::vector<double> heights{};  ///< [rows along y][columns] mm
 };
-using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+using PadShape = PadShapes<HeightMap>;
 
 struct PadIndenter {
   PadShape shape = Sphere{};

@@ -2,6 +2,7 @@
 #pragma once
 #include <tactel/progress.h>
 #include <tactel/scene.h>
+#include <tactel/solve_options.h>
 
 #include <cstdint>
 #include <optional>
@@ -10,18 +11,6 @@
 #include <vector>
 
 namespace tactel {
-
-/// How a contact is modelled and computed.
-struct SolveOptions {
-  std::optional<double> accuracy{};  ///< largest error in S: the planner chooses the rung
-  std::string rung{};                ///< "patch-12", "mesh-81", "paper", "reference", ...; empty: the scene's own model
-  std::string solver = "batched";    ///< or "full-mesh", of solve() alone
-  std::string precision{};  ///< "fp32", "fp64"; empty: of solve() fp64 where the device has it, else the rung's
-  std::string device{};     ///< name or index of an OpenCL device; empty: the default device
-  std::optional<double> tolerance{};  ///< largest relative residual that counts as converged; none: the solver's own
-  bool estimate_error = false;        ///< of solve(): also solve a finer model, for Path::error
-  bool derivatives = false;           ///< of solve(): also differentiate, for Path::derivatives
-};
 
 /// Status of a surface node (mesh) or element (patch).
 enum class NodeStatus : std::uint8_t { open, stick, slip };
