@@ -98,6 +98,15 @@ class KnownFloors(unittest.TestCase):
         found = floor.floor_of(simulate, [True], floor.Options(noise=0.005, noise_of_contact=True, history=3, readings=300, bank=3000, walkers=24, iterations=40))
         self.near(found, math.sqrt(2 / math.pi / 5.25) * 0.01)
 
+    def test_of_a_friction_that_is_told(self):
+        # The frame says nothing, S is log mu, and log mu is told with a normal error: sqrt(2 / pi) of its deviation, but for the ends
+        # of u.
+        def simulate(u):
+            rows = rows_of(np.ones((len(u), 1, 1)), u[:, 0])
+            return floor.Rows(rows.frames, rows.slip_index, rows.largest, rows.contact, rows.classes, np.exp(u[:, 0]))
+        options = floor.Options(readings=300, bank=10000, walkers=24, iterations=40, friction_spread=0.005)
+        self.near(floor.floor_of(simulate, [True], options), math.sqrt(2 / math.pi) * 0.005)
+
     def test_rows_of_a_contact_are_told_apart_by_their_frames(self):
         # Each contact has the rows S = 0 and S = 1 with frames that differ: nothing is left open.
         def simulate(u):
@@ -159,6 +168,63 @@ stroke = { log_uniform = [0.03, 1.0] }
 stroke_steps = 1
 direction = { uniform = [0, 360] }
 """
+
+
+ONE_SPHERE = """
+[sweep]
+contacts = 40000
+seed = 5
+[sensor]
+kind = "pad"
+thickness = 4
+young = 0.5
+poisson = 0.48
+[contact]
+friction = { uniform = [0.2, 1.2] }
+[indenter]
+shape = "sphere"
+radius = 15
+position = [1.0, -0.5]
+[load]
+indentation = { uniform = [0.2, 0.4] }
+[load.irregular]
+press_steps = 1
+stroke = { log_uniform = [0.03, 1.0] }
+stroke_steps = 1
+direction = 30
+"""
+
+
+class Simulated(unittest.TestCase):
+    def test_floor_is_that_of_weighted_contacts_of_the_sweep(self):
+        # Friction, depth and stroke of one sphere are open. Where so little is, contacts of the sweep weighted by their densities are
+        # the posterior (importance sampling from the prior), without walkers, tempering or quantiles.
+        noise, random = 0.1, np.random.default_rng(11)
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "sweep.toml")
+            with open(file, "w", encoding="utf-8") as toml:
+                toml.write(ONE_SPHERE)
+            found = floor.measure(Sweep(file), floor.Options(noise=noise, readings=400, bank=5000, walkers=32, iterations=60))
+            rows = Sweep(file).generate(rung="pad-8")
+        frames, S = rows.frames.astype(float), rows.slip_index.astype(float)
+        sigma = noise * np.abs(frames).max(1)
+        order = np.argsort(S)
+        errors, effective = [], []
+        for k in random.choice(len(S), 1000, replace=False):
+            reading = frames[k] + sigma[k] * random.standard_normal(frames.shape[1])
+            log = -0.5 * ((frames - reading) ** 2).sum(1) / sigma**2 - frames.shape[1] * np.log(sigma)
+            weight = np.exp(log - log.max())
+            weight /= weight.sum()
+            median = S[order[np.searchsorted(np.cumsum(weight[order]), 0.5)]]
+            errors.append(weight @ np.abs(S - median))
+            effective.append(1 / (weight**2).sum())
+        self.assertGreater(np.median(effective), 100)
+        exact, spread = np.mean(errors), np.std(errors) / math.sqrt(len(errors))
+        for key in ("estimate", "true"):
+            one = found["all"][key]
+            self.assertAlmostEqual(one["mean"], exact, delta=2 * math.hypot(spread, one["standard_error"]), msg=key)
+        self.assertGreater(found["ranks_p"], 0.05)
+        self.assertTrue(found["converged"])
 
 
 class Command(unittest.TestCase):
@@ -223,6 +289,12 @@ class Command(unittest.TestCase):
         three, one = self.floor_of_text(SPHERES, *few), self.floor_of_text(SPHERES.replace("thickness", "axes = 1\nthickness"), *few)
         self.assertLess(three["all"]["true"]["mean"], 0.8 * one["all"]["true"]["mean"])
         self.assertLessEqual({line["family"] for line in three["classes"]}, set(floor.PAD_FAMILIES))
+
+    def test_a_friction_that_is_told_leaves_less_open(self):
+        few = ("--bank", "1000", "--readings", "50", "--walkers", "12", "--iterations", "20")
+        untold, told = self.floor_of_text(SPHERES, *few), self.floor_of_text(SPHERES, *few, "--friction-spread", "0.05")
+        self.assertIn("mu told within 0.05", self.text)
+        self.assertLess(told["all"]["true"]["mean"], 0.6 * untold["all"]["true"]["mean"])
 
     def test_compares_skins(self):
         # A line of the table is the floor of a file with that sensor. Eight tactels on the area of four have half the pitch.
