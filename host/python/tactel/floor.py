@@ -361,15 +361,16 @@ def _active(simulate, count, random):
     return (mark[:, 1:] != mark[:, :1]).any(0)
 
 
-def measure(sweep, options=Options(), networks=None, device="", progress=None):
-    """The floor of a sweep's contacts; a [transducer] of the sweep is not applied. networks: {file: SlipEstimator}.
+def measure(sweep, options=Options(), networks=None, device="", progress=None, rung=""):
+    """The floor of a sweep's contacts; a [transducer] of the sweep is not applied. networks: {file: SlipEstimator}. rung: as of
+    Sweep.generate.
 
     Raises InputError for a listed sweep, or where no row has normal stress."""
     if not sweep.endless:
         raise InputError(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
 
     def simulate(quantiles):
-        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, "", "", device, None, False)), options)
+        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, rung, "", device, None, False)), options)
     families = {name: names or sweep.indenter_names for name, names in (FAMILIES if sweep.axes == 2 else PAD_FAMILIES).items()}
     steady = np.array(sweep._numbers())
     active = _active(simulate, len(steady), np.random.default_rng(options.seed))
@@ -483,6 +484,7 @@ def _arguments(words):
         "(default: %(default)s)")
     add("--seed", type=_number(int, 0, 2**64 - 1), default=1, help="of contacts, noise and walkers (default: 1)")
     add("--json", metavar="FILE", help="write all numbers as JSON; - for standard output, instead of the table")
+    add("--rung", default="", metavar="NAME", help="model of the contacts, as of tactel generate")
     add("--device", default="", metavar="NAME|INDEX", help="OpenCL device: a part of its name or its index")
     add("--quiet", action="store_true", help="print only errors and the result")
     given = parser.parse_args(words)
@@ -522,7 +524,7 @@ def _run(given):
             else:
                 pitch = sensor.pitch[0]
             floors.append({"tactels": sweep.tactels, "pitch": pitch, "thickness": sensor.thickness,
-                           **measure(sweep, option, networks, given.device, progress)})
+                           **measure(sweep, option, networks, given.device, progress, given.rung)})
     found = {"tactel": __version__, "sweep": given.sweep}
     if len(floors) == 1:
         found.update({key: value for key, value in floors[0].items() if key not in ("tactels", "pitch", "thickness")})
