@@ -198,6 +198,14 @@ TEST(PadContact, ThreadsDoNotChangeBits) {
   for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
 }
 
+TEST(PadContact, VectorsInHalvesDoNotChangeBits) {
+  const auto scenes = mix(sensor_of(0.45), 40, 5);
+  Executor whole{Device().with_halves(false)}, halves{Device().with_halves(true)};
+  const auto a = ran(PadContact<float>(whole, {.cells = 12}), scenes),
+             b = ran(PadContact<float>(halves, {.cells = 12}), scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
+}
+
 TEST(PadContact, ReachesGivenForcesAsItsTwin) {
   const fem::PadSensor sensor = sensor_of(0.45);
   auto scenes = mix(sensor, 27, 6);
