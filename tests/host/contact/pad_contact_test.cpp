@@ -178,6 +178,7 @@ TEST(PadContact, SameBitsInAnyOrderBatchAndVector) {
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
   std::vector<fem::PadScene> shuffled;
+  shuffled.reserve(order.size());
   for (const std::size_t i : order) shuffled.push_back(scenes[i]);
   for (const int vectors : {1, 2, 3}) {
     const auto other = ran(PadContact<float>(executor(), {.cells = 8, .vectors = vectors}), shuffled);
