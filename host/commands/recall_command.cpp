@@ -144,6 +144,8 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
     }
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
+  if (rows.target == nn::Target::slip_index)
+    text += "\nhow well S can be read at all: python -m tactel.floor SWEEP.toml (docs/judging.md)\n";
   return text + "\ndevice: " + device + "\n";
 }
 

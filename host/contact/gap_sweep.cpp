@@ -18,7 +18,10 @@ constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
 constexpr int grip_strata = 8;                   ///< measured beside 16 and 32
 constexpr double window_bins =
     16;  ///< in a factor e of nodes: windows of a group differ by 6 % or a node; measured beside 4, 8, none
-constexpr int most_vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
+/// Returns the vectors of LANES scenes of a work-item that has many scenes. Each number of C that is loaded then serves
+/// thrice. Where a vector takes two cycles loads keep up with one vector: then fewer scenes wait for each other, and
+/// their forces stay near.
+int most_vectors(const Device& device) { return device.info().halves ? 1 : 3; }
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
@@ -93,7 +96,9 @@ struct GapSweep<Real>::State {
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   /// Returns the vectors of a work-item: one where it holds all scenes, which then do not pay for empty ones.
   int vectors(std::size_t scenes) const {
-    return lanes_of_vector == 1 || scenes <= static_cast<std::size_t>(lanes_of_vector) ? 1 : most_vectors;
+    return lanes_of_vector == 1 || scenes <= static_cast<std::size_t>(lanes_of_vector)
+               ? 1
+               : most_vectors(executor.device());
   }
 
   const Buffer<Real>& compliance(bool friction) {

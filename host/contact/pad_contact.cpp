@@ -28,6 +28,7 @@ constexpr int pad_friction_strata = 4;
 constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
 constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
+constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
 /// A scene on its cells.
 struct OnCells {
@@ -131,7 +132,13 @@ struct PadContact<Real>::State {
 
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   const Device& device() const { return executor.device(); }
-  std::size_t width() const { return static_cast<std::size_t>(device().lanes(precision())); }
+  /// Lanes. Half of them where a wide vector takes as long as its halves, and there are many cells.
+  std::size_t width() const {
+    const auto lanes = static_cast<std::size_t>(device().lanes(precision()));
+    const bool half =
+        device().info().halves && lanes * sizeof(Real) == bytes_of_wide_vector && options.cells >= many_cells;
+    return half ? lanes / 2 : lanes;
+  }
   std::size_t count() const { return static_cast<std::size_t>(options.cells) * options.cells; }
 
   const Program& program(int vectors) {

@@ -136,6 +136,15 @@ int explicit_lanes(DeviceType type, cl_uint native_width) {
   return lanes;
 }
 
+/// Whether this processor takes each AVX-512 operation in two halves of 256 bits: AMD's family 19h has it as Zen 4.
+bool in_halves() {
+#ifdef __x86_64__
+  return __builtin_cpu_is("amdfam19h") && __builtin_cpu_supports("avx512f");
+#else
+  return false;
+#endif
+}
+
 /// What $TACTEL_LANES asks for, in both precisions: the layout of another device, for tests. None where it is not set.
 std::optional<int> asked_lanes() {
   const char* text = std::getenv("TACTEL_LANES");
@@ -160,6 +169,7 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
     info.lanes_fp32 = *lanes;
     if (info.fp64) info.lanes_fp64 = *lanes;
   }
+  info.halves = info.type == DeviceType::cpu && in_halves();
   const bool pocl_cpu = is_pocl(info) && info.type == DeviceType::cpu;
   info.zero_copy = pocl_cpu;
   info.low_latency = pocl_cpu && (info.name.starts_with("basic") || info.name.starts_with("cpu-minimal"));
@@ -389,6 +399,10 @@ Device Device::with_lanes(int lanes) const {
     state.info.lanes_fp32 = lanes;
     if (state.info.fp64) state.info.lanes_fp64 = lanes;
   });
+}
+
+Device Device::with_halves(bool halves) const {
+  return changed([&](State& state) { state.info.halves = halves; });
 }
 
 Device Device::with_copies() const {

@@ -40,6 +40,7 @@ struct DeviceInfo {
   bool low_latency =
       false;               ///< runs kernels in the calling thread (PoCL's `basic`): a launch costs under a microsecond
   bool zero_copy = false;  ///< kernels work on host memory in place
+  bool halves = false;     ///< works at its widest vectors in two halves: AVX-512 on Zen 4
 };
 
 /// Whether the device is PoCL's.
@@ -90,6 +91,9 @@ class Device {
   /// Returns the same device with this number of lanes in both precisions, 1, 2, 4, 8 or 16: for tests. Shares
   /// the context.
   Device with_lanes(int lanes) const;
+  /// Returns the same device as one that works at its widest vectors in two halves, or not: for tests. Shares the
+  /// context.
+  Device with_halves(bool halves) const;
   /// Returns the same device with buffers in memory of its own, as a GPU has: for tests. Shares the context.
   Device with_copies() const;
   /// Returns the same device as a GPU is: of this type, with the 132 compute units of an H100, one lane, work-groups of

@@ -53,6 +53,7 @@ class Options:
     walkers: int = 48  #: of a reading
     iterations: int = 100  #: of the tempering, and again of the sampling
     seed: int = 1
+    friction_spread: float | None = None  #: standard deviation of log mu as a reading is told it; None: it is not told
 
 
 @dataclass(frozen=True)
@@ -64,12 +65,14 @@ class Rows:
     largest: np.ndarray  #: [rows] MPa, over which the noise is
     contact: np.ndarray  #: [rows] place of the contact among those simulated
     classes: np.ndarray  #: [families, rows] place in the family's classes
+    friction: np.ndarray | None = None  #: [rows] mu, needed where it is told
 
     def __len__(self):
         return len(self.slip_index)
 
     def take(self, rows):
-        return Rows(self.frames[rows], self.slip_index[rows], self.largest[rows], self.contact[rows], self.classes[:, rows])
+        friction = None if self.friction is None else self.friction[rows]
+        return Rows(self.frames[rows], self.slip_index[rows], self.largest[rows], self.contact[rows], self.classes[:, rows], friction)
 
 
 def log_density(readings, frames, sigma, gain):
@@ -95,6 +98,12 @@ def log_density(readings, frames, sigma, gain):
     return log
 
 
+def draw_told(rows, options, random):
+    """Logarithms of mu that readings of rows are told, [rows]; None where they are told none."""
+    spread = options.friction_spread
+    return None if spread is None else np.log(rows.friction) + spread * random.standard_normal(len(rows))
+
+
 def draw_readings(rows, options, random):
     """Readings of rows: [rows, history, inputs]. A frame of zeros, from before the contact, stays one."""
     count, _, inputs = rows.frames.shape
@@ -108,10 +117,17 @@ def draw_readings(rows, options, random):
 class _Sampler:
     """Walkers of every reading, [readings, walkers, numbers]: quantiles of a contact's numbers."""
 
-    def __init__(self, simulate, steady, readings, options, random):
-        """simulate(quantiles [contacts, numbers]) returns Rows; steady: [numbers] of no choice; readings: [readings, history, inputs]."""
-        self._simulate, self._steady, self._readings = simulate, np.asarray(steady), readings
+    def __init__(self, simulate, steady, readings, told, options, random):
+        """simulate(quantiles [contacts, numbers]) returns Rows; steady: [numbers] of no choice; readings: [readings, history, inputs];
+        told: [readings] log mu, or None."""
+        self._simulate, self._steady, self._readings, self._told = simulate, np.asarray(steady), readings, told
         self._options, self._random = options, random
+
+    def _log_told(self, reading, rows):
+        """Logarithm of the density of the mu that is told of a reading, or of each of as many readings as rows."""
+        if self._told is None:
+            return 0
+        return -0.5 * ((self._told[reading] - np.log(rows.friction)) / self._options.friction_spread) ** 2
 
     def _like(self, walkers):
         """Log likelihood and S [readings, walkers]. Every row of a contact may be the one that was read; S is that of one of
@@ -120,7 +136,9 @@ class _Sampler:
         log, S = np.full(count * each, -np.inf), np.full(count * each, np.nan)
         rows = self._simulate(walkers.reshape(-1, numbers))
         if len(rows):
-            density = log_density(self._readings[rows.contact // each], rows.frames, self._options.noise * rows.largest, self._options.gain)
+            of_row = rows.contact // each
+            density = log_density(self._readings[of_row], rows.frames, self._options.noise * rows.largest, self._options.gain)
+            density = density + self._log_told(of_row, rows)
             first = np.flatnonzero(np.diff(rows.contact, prepend=-1))
             of = np.repeat(np.arange(len(first)), np.diff(first, append=len(rows)))
             most = np.maximum.reduceat(density, first)
@@ -141,7 +159,7 @@ class _Sampler:
         self._walkers = np.empty((count, options.walkers, quantiles.shape[1]))
         self._power = np.empty(count)
         for q, x in enumerate(self._readings.reshape(count, -1)):
-            log = -0.5 * (squares - 2 * flat @ x + x @ x) / variance - 0.5 * size * np.log(variance)
+            log = -0.5 * (squares - 2 * flat @ x + x @ x) / variance - 0.5 * size * np.log(variance) + self._log_told(q, rows)
             log -= log.max()
 
             def effective(power):
@@ -254,7 +272,7 @@ def floor_of(simulate, steady, options, families=None, networks=None, progress=N
         raise InputError("sweep", "no row with normal stress", "contacts that press on a tactel")
     asked = judged.take(np.sort(random.choice(len(judged), min(options.readings, len(judged)), replace=False)))
     readings = draw_readings(asked, options, random)
-    sampler = _Sampler(simulate, steady, readings, options, random)
+    sampler = _Sampler(simulate, steady, readings, draw_told(asked, options, random), options, random)
     sampler.start(quantiles, bank)
     samples = sampler.run(lambda done, count: progress is None or progress(done, count) is not False)
     median = np.median(samples, axis=1)
@@ -273,6 +291,7 @@ def floor_of(simulate, steady, options, families=None, networks=None, progress=N
     classes = [{"family": family, "class": name, **line(asked.classes[f] == kind)}
                for f, (family, names) in enumerate(families.items()) for kind, name in enumerate(names) if (asked.classes[f] == kind).any()]
     return {"noise": options.noise, "gain": options.gain, "noise_of": "contact" if options.noise_of_contact else "frame",
+            "friction_spread": options.friction_spread,
             "history": options.history, "stride": options.stride, "history_change": options.change, "bank_contacts": options.bank,
             "walkers": options.walkers, "iterations": options.iterations, "seed": options.seed, "seconds": time.monotonic() - start,
             "all": line(), "classes": classes, "ranks": ranks.tolist(),
@@ -326,7 +345,8 @@ def _collect(rows, options):
         second = np.where(S < 0.05, 0, 1 + np.searchsorted([1 / 3, 2 / 3], 1 - rows.force_ratio[at] / np.maximum(S, 0.05)))
     classes = np.stack([rows.indenter[at], second, np.searchsorted([4, 7, 11], touching, "right")]).astype(np.int64)
     history = np.where((places >= 0)[:, :, None], frames[places], 0)
-    return Rows(history, rows.slip_index[at].astype(float), largest.astype(float), rows.contact[at].astype(np.int64), classes)
+    return Rows(history, rows.slip_index[at].astype(float), largest.astype(float), rows.contact[at].astype(np.int64), classes,
+                rows.friction[at].astype(float))
 
 
 def _active(simulate, count, random):
@@ -341,15 +361,16 @@ def _active(simulate, count, random):
     return (mark[:, 1:] != mark[:, :1]).any(0)
 
 
-def measure(sweep, options=Options(), networks=None, device="", progress=None):
-    """The floor of a sweep's contacts; a [transducer] of the sweep is not applied. networks: {file: SlipEstimator}.
+def measure(sweep, options=Options(), networks=None, device="", progress=None, rung=""):
+    """The floor of a sweep's contacts; a [transducer] of the sweep is not applied. networks: {file: SlipEstimator}. rung: as of
+    Sweep.generate.
 
     Raises InputError for a listed sweep, or where no row has normal stress."""
     if not sweep.endless:
         raise InputError(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
 
     def simulate(quantiles):
-        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, "", "", device, None, False)), options)
+        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, rung, "", device, None, False)), options)
     families = {name: names or sweep.indenter_names for name, names in (FAMILIES if sweep.axes == 2 else PAD_FAMILIES).items()}
     steady = np.array(sweep._numbers())
     active = _active(simulate, len(steady), np.random.default_rng(options.seed))
@@ -381,9 +402,10 @@ def table(floor):
         texts = [_text(one[key]) for key in ("estimate", "true")] + [_text(one["networks"][file]) for file in networks]
         return f"{name:<34}" + "".join(f"{text:>18}" for text in texts)
 
+    told = "" if floor["friction_spread"] is None else f", mu told within {floor['friction_spread']:g}"
     lines = [
         f"mean |error of S| that the frames allow: noise {floor['noise']:g}, gains {floor['gain']:g}, {frames} "
-        f"frame{'s' if frames > 1 else ''}; {floor['all']['true']['readings']} readings",
+        f"frame{'s' if frames > 1 else ''}{told}; {floor['all']['true']['readings']} readings",
         '"floor" is over the posterior of each reading, "true" of the true S: they must agree', "",
         f"{'contacts':<34}" + "".join(f"{text:>18}" for text in ("floor", "true", *(f"network {i + 1}" for i in range(len(networks))))),
         line(floor["all"], "all")]
@@ -394,15 +416,16 @@ def table(floor):
 
 
 def skin_table(skins):
-    """A line a skin: tactels, pitch, thickness, frames, noise, gains and the floor of all contacts."""
+    """A line a skin: tactels, pitch, thickness, frames, noise, gains, mu as it is told, and the floor of all contacts."""
     networks = list(skins[0]["all"]["networks"])
     lines = [
         f"mean |error of S| that the frames allow; {skins[0]['all']['true']['readings']} readings",
         '"floor" is over the posterior of each reading, "true" of the true S: they must agree', "",
-        "tactels  pitch   thickness  frames  noise   gains" + f"{'floor':>18}{'true':>18}"
+        "tactels  pitch   thickness  frames  noise   gains  mu told" + f"{'floor':>18}{'true':>18}"
         + "".join(f"{f'network {i + 1}':>11}" for i in range(len(networks))), "            mm          mm"]
     for skin in skins:
-        lines.append(f"{skin['tactels']:>7}{skin['pitch']:>7.3g}{skin['thickness']:>12.3g}{skin['history']:>8}{skin['noise']:>7.3g}{skin['gain']:>8.3g}"
+        told = "no" if skin["friction_spread"] is None else f"{skin['friction_spread']:.3g}"
+        lines.append(f"{skin['tactels']:>7}{skin['pitch']:>7.3g}{skin['thickness']:>12.3g}{skin['history']:>8}{skin['noise']:>7.3g}{skin['gain']:>8.3g}{told:>9}"
                      f"{_text(skin['all']['estimate']):>18}{_text(skin['all']['true']):>18}"
                      + "".join(f"{skin['all']['networks'][file]['mean']:>11.4f}" for file in networks) + "".join(f"  {text[:8]}" for text in _verdict(skin)))
     if not all(skin["converged"] for skin in skins):
@@ -448,6 +471,8 @@ def _arguments(words):
         "repeatable (default: 1)")
     add("--history-change", type=_number(float, 0, 1), help="with --history: change of load from one kept frame to the next, over the "
         "contact's largest stress (default: 0.1)")
+    add("--friction-spread", action="append", type=_number(float, 1e-3, 10), help="tell each reading its mu, but for a factor "
+        "whose logarithm has this standard deviation; repeatable (default: mu is not told)")
     add("--tactels", action="append", type=_number(int, 2, 4096), help="number of tactels, of a pad along each side of the "
         "same area, instead of the file's; repeatable")
     add("--thickness", action="append", type=_number(float, 1e-9, 1e6), help="mm of rubber, instead of the file's; repeatable")
@@ -459,6 +484,7 @@ def _arguments(words):
         "(default: %(default)s)")
     add("--seed", type=_number(int, 0, 2**64 - 1), default=1, help="of contacts, noise and walkers (default: 1)")
     add("--json", metavar="FILE", help="write all numbers as JSON; - for standard output, instead of the table")
+    add("--rung", default="", metavar="NAME", help="model of the contacts, as of tactel generate")
     add("--device", default="", metavar="NAME|INDEX", help="OpenCL device: a part of its name or its index")
     add("--quiet", action="store_true", help="print only errors and the result")
     given = parser.parse_args(words)
@@ -480,8 +506,9 @@ def _run(given):
         return Sweep(given.sweep, tactels=tactels, thickness=thickness)
 
     options = [Options(noise, gain, given.noise_of == "contact", *history, 0.1 if given.history_change is None else given.history_change,
-                       given.bank, given.readings, given.walkers, given.iterations, given.seed)
-               for history in given.history or [(1, 1)] for noise in given.noise or [0.01] for gain in given.gain or [0.0]]
+                       given.bank, given.readings, given.walkers, given.iterations, given.seed, spread)
+               for history in given.history or [(1, 1)] for noise in given.noise or [0.01] for gain in given.gain or [0.0]
+               for spread in given.friction_spread or [None]]
     skins = list(itertools.product(given.tactels or [None], given.thickness or [None], options))
     sweeps = [sweep_of(tactels, thickness) for tactels, thickness, _ in skins]  # an error before minutes of work
     networks = _networks(given.network)
@@ -497,7 +524,7 @@ def _run(given):
             else:
                 pitch = sensor.pitch[0]
             floors.append({"tactels": sweep.tactels, "pitch": pitch, "thickness": sensor.thickness,
-                           **measure(sweep, option, networks, given.device, progress)})
+                           **measure(sweep, option, networks, given.device, progress, given.rung)})
     found = {"tactel": __version__, "sweep": given.sweep}
     if len(floors) == 1:
         found.update({key: value for key, value in floors[0].items() if key not in ("tactels", "pitch", "thickness")})

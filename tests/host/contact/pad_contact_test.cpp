@@ -177,6 +177,7 @@ TEST(PadContact, SameBitsInAnyOrderBatchAndVector) {
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
   std::vector<fem::PadScene> shuffled;
+  shuffled.reserve(order.size());
   for (const std::size_t i : order) shuffled.push_back(scenes[i]);
   for (const int vectors : {1, 2, 3}) {
     const auto other = ran(PadContact<float>(executor(), {.cells = 8, .vectors = vectors}), shuffled);
@@ -194,6 +195,14 @@ TEST(PadContact, ThreadsDoNotChangeBits) {
   Executor one{Device(), {.threads = 1}};
   const auto a = ran(PadContact<float>(executor(), {.cells = 8}), scenes),
              b = ran(PadContact<float>(one, {.cells = 8}), scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
+}
+
+TEST(PadContact, VectorsInHalvesDoNotChangeBits) {
+  const auto scenes = mix(sensor_of(0.45), 40, 5);
+  Executor whole{Device().with_halves(false)}, halves{Device().with_halves(true)};
+  const auto a = ran(PadContact<float>(whole, {.cells = 12}), scenes),
+             b = ran(PadContact<float>(halves, {.cells = 12}), scenes);
   for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
 }
 

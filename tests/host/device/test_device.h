@@ -26,11 +26,13 @@ inline Executor& executor() {
   return executor;
 }
 
-/// `basic` with each number of lanes that a device may have, as single contacts run on it, and as a GPU.
+/// `basic` with each number of lanes that a device may have, with vectors in two halves and whole, as single contacts
+/// run on it, and as a GPU.
 inline std::vector<Device> devices_of_all_lanes() {
   const Device basic("basic");
   std::vector<Device> devices;
   for (const int lanes : {16, 1, 2, 4, 8}) devices.push_back(basic.with_lanes(lanes));
+  for (const bool halves : {false, true}) devices.push_back(basic.with_halves(halves));
   devices.push_back(basic.for_one_contact());
   devices.push_back(basic.as_gpu());
   return devices;
