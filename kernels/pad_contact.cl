@@ -92,8 +92,8 @@ typedef struct {
   Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
   Lanes mu;                                         /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
-  Lanes slid; /* sum over the increments without a sticking cell of the rms slide of those that touch */
-  Lanes sweeps, trial_sweeps;                             /* of this increment, and since the indenter last moved */
+  Lanes slid;                 /* sum over the increments without a sticking cell of the rms slide of those that touch */
+  Lanes sweeps, trial_sweeps; /* of this increment, and since the indenter last moved */
   Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
   Masks valid, running, active, failed, lost, by_force, searching;

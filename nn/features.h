@@ -30,8 +30,8 @@ void add_features(const InputScaling& scaling, int numbers, Real peak, Real* x) 
 inline constexpr float least_divisor = 0.2f, usual_friction = 0.5f, usual_spread = 0.1f;
 
 /// Puts what is told of friction, mu and its relative deviation, into two inputs: mu / (mu + usual_friction) and
-/// spread / (spread + usual_spread), the logistic functions of their logarithms; 1/2 and 1 where mu is not above 0: it is
-/// not told.
+/// spread / (spread + usual_spread), the logistic functions of their logarithms; 1/2 and 1 where mu is not above 0: it
+/// is not told.
 template <class Real>
 void tell_friction(Real mu, Real spread, Real* x) noexcept {
   x[0] = mu > 0 ? mu / (mu + Real(usual_friction)) : Real(0.5f);

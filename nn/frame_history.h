@@ -10,10 +10,10 @@ namespace tactel::nn {
 
 /// Which earlier frames a network's input has behind the newest.
 struct InputHistory {
-  int frames = 1;       ///< frames in an input, the newest included; 1: no history
-  int stride = 1;       ///< kept frames from one of them to the next
-  double change = 0.1;  ///< a frame is kept that differs by more than this, over the largest stress of the contact
-  bool rest = false;    ///< the last of `frames` is the grip at rest (nn/infer/rest_reference.h)
+  int frames = 1;         ///< frames in an input, the newest included; 1: no history
+  int stride = 1;         ///< kept frames from one of them to the next
+  double change = 0.1;    ///< a frame is kept that differs by more than this, over the largest stress of the contact
+  bool rest = false;      ///< the last of `frames` is the grip at rest (nn/infer/rest_reference.h)
   bool friction = false;  ///< behind the frames an input has mu as told, 0: it is not, and its relative deviation
 
   /// Returns the frames of the path, without the rest.

@@ -177,7 +177,8 @@ FrameSet with_history(const FrameSet& set, const InputHistory& history, std::opt
     if (!history.rest) continue;
     const std::size_t rest = rest_of(set, P, first, row);
     input.segment(width * history.path(), width) = set.frames.row(static_cast<Eigen::Index>(rest));
-    if (!set.slid.empty()) formed.slip_index(static_cast<Eigen::Index>(row)) = slid_target(set.slid[row] - set.slid[rest]);
+    if (!set.slid.empty())
+      formed.slip_index(static_cast<Eigen::Index>(row)) = slid_target(set.slid[row] - set.slid[rest]);
   }
   return formed;
 }

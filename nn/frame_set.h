@@ -33,7 +33,7 @@ struct FrameSet {
 
   Eigen::Index rows() const { return frames.rows(); }
   Eigen::Index stresses() const { return frames.cols() - told; }  ///< of a row
-  float largest_stress() const;  ///< MPa, over all rows; 0 for an empty set
+  float largest_stress() const;                                   ///< MPa, over all rows; 0 for an empty set
   /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for values that cannot train or judge a
   /// network.
   void validate() const;
@@ -70,10 +70,10 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
 /// frame where there is none. Where the set has `slid`, `slip_index` becomes Target::slid since that row. Throws
 /// ValueError, key "scaling", for a set without contact, step or S.
 ///
-/// With friction, each row ends with mu and its relative deviation as told: mu exp(spread n), n a normal number. `spread`:
-/// that of all rows, infinity where nothing is told; none: a row is told nothing in one of four cases, else the
-/// logarithm of its spread lies evenly between those of least_told and most_told, all by noise_words(contact, step).
-/// Throws ValueError, key "friction", for a set without contact, step or friction.
+/// With friction, each row ends with mu and its relative deviation as told: mu exp(spread n), n a normal number.
+/// `spread`: that of all rows, infinity where nothing is told; none: a row is told nothing in one of four cases, else
+/// the logarithm of its spread lies evenly between those of least_told and most_told, all by noise_words(contact,
+/// step). Throws ValueError, key "friction", for a set without contact, step or friction.
 FrameSet with_history(const FrameSet& set, const InputHistory& history, std::optional<double> spread = {});
 inline constexpr float most_slip_at_rest = 0.9f;
 inline constexpr double least_told = 0.02, most_told = 1;

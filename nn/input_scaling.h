@@ -5,9 +5,9 @@
 
 namespace tactel::nn {
 
-/// Scales one input [numbers], stresses in MPa, of each frame the normal stresses first, and what is told, as the kernels
-/// do: times the reciprocal of the divisor, both in Scalar; then its features. A frame that is not finite, or carries no
-/// stress, becomes zeros. scaled: [scaling.inputs(numbers)].
+/// Scales one input [numbers], stresses in MPa, of each frame the normal stresses first, and what is told, as the
+/// kernels do: times the reciprocal of the divisor, both in Scalar; then its features. A frame that is not finite, or
+/// carries no stress, becomes zeros. scaled: [scaling.inputs(numbers)].
 template <class Scalar>
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled);
 

@@ -6,9 +6,9 @@
 
 namespace tactel::nn {
 
-/// The inputs of a network with features, by the rest or with friction, as it learns them: stresses and sums of frames behind the
-/// newest are differences to the newest's, and every input is less its mean and over its deviation. The network's file has the
-/// weights for the inputs themselves.
+/// The inputs of a network with features, by the rest or with friction, as it learns them: stresses and sums of frames
+/// behind the newest are differences to the newest's, and every input is less its mean and over its deviation. The
+/// network's file has the weights for the inputs themselves.
 class LearningView {
  public:
   LearningView() = default;  ///< of other networks: changes nothing

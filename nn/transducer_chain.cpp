@@ -81,8 +81,7 @@ Transducer of_sensor(Transducer t, std::uint64_t instance) {
   choose(t.mixing_from, t.mixing, skin[0]);
   choose(t.drift_from, t.drift, skin[1]);
   choose(t.repeats_from, t.repeats, skin[2]);
-  if (t.shear_gain_from)
-    t.shear_gain = *t.shear_gain_from * std::pow(t.shear_gain / *t.shear_gain_from, unit(skin[3]));
+  if (t.shear_gain_from) t.shear_gain = *t.shear_gain_from * std::pow(t.shear_gain / *t.shear_gain_from, unit(skin[3]));
   choose(t.lag_from, t.lag, late[0]);
   choose(t.lag_time_from, t.lag_time, late[1]);
   choose(t.memory_from, t.memory, late[2]);
@@ -154,8 +153,7 @@ double converted(const Transducer& t, double reading) {
 
 bool Transducer::present() const {
   return gain_spread > 0 || offset_spread > 0 || noise > 0 || time_constant > 0 || range > 0 || noise_of_largest > 0 ||
-         reaches_others() || dead > 0 || lag > 0 || memory > 0 || drift > 0 || repeats > 0 ||
-         shear_gain > 0;
+         reaches_others() || dead > 0 || lag > 0 || memory > 0 || drift > 0 || repeats > 0 || shear_gain > 0;
 }
 
 double Transducer::quantum() const { return bits == 0 ? 0 : std::ldexp(range, 1 - bits); }
@@ -249,8 +247,7 @@ std::string description(const Transducer& t) {
   say_range("repeats", t.repeats_from, t.repeats, "");
   say("instances", t.instances, "");
   const bool ranges = t.noise_from || t.time_constant_from || t.bits_from || t.lag_from || t.lag_time_from ||
-                      t.memory_from || t.memory_time_from || t.drift_from || t.repeats_from ||
-                      t.shear_gain_from;
+                      t.memory_from || t.memory_time_from || t.drift_from || t.repeats_from || t.shear_gain_from;
   if (t.gain_spread > 0 || t.offset_spread > 0 || ranges || t.reaches_others() || t.dead > 0)
     text << ", seed " << t.seed;
   return t.present() ? text.str() : "none";

@@ -53,7 +53,7 @@ struct Transducer {
   /// Smallest gain_spread, offset_spread and noise: a sensor's own lies evenly between it and the member above. None:
   /// all sensors have that.
   std::optional<double> gain_spread_from{}, offset_spread_from{}, noise_from{};
-  std::optional<double> mixing_from{}, drift_from{}, repeats_from{};                     ///< alike
+  std::optional<double> mixing_from{}, drift_from{}, repeats_from{};  ///< alike
   std::optional<double> shear_gain_from{};  ///< smallest shear_gain: a sensor's logarithm lies evenly between both
   std::optional<double> lag_from{}, lag_time_from{}, memory_from{}, memory_time_from{};  ///< alike
   std::optional<double> time_constant_from{};  ///< s, smallest time_constant, alike

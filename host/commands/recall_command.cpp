@@ -80,7 +80,8 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, c
     return !interrupt.requested();
   };
   const bool keep_rows = !request.rows.empty() || !request.html.empty() || request.decides();
-  if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress, request.spread);
+  if (request.shared.precision == "fp64")
+    return recall_networks<double>(executor, networks, set, keep_rows, progress, request.spread);
   return recall_networks<float>(executor, networks, set, keep_rows, progress, request.spread);
 }
 

@@ -187,25 +187,29 @@ void add_train_command(CLI::App& app, Action& action) {
                       "with --history: a frame is kept that differs by more than this share of the contact's largest "
                       "stress from the last kept one, 0 to 1 (default: 0.1)");
   command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
-  command->add_flag("--friction", request->friction,
-                    "networks take mu as far as it is known: a number and its relative spread, which `monitor --friction` "
-                    "and alarms tell; also nothing");
+  command->add_flag(
+      "--friction", request->friction,
+      "networks take mu as far as it is known: a number and its relative spread, which `monitor --friction` "
+      "and alarms tell; also nothing");
   command
-      ->add_option("--features", request->features,
-                   "fixed layer before the network, with --scaling frame or rest: line or pad, one of all mirror images of a "
-                   "frame and its sums; line learns |S|; frame: none")
+      ->add_option(
+          "--features", request->features,
+          "fixed layer before the network, with --scaling frame or rest: line or pad, one of all mirror images of a "
+          "frame and its sums; line learns |S|; frame: none")
       ->check(CLI::IsMember({"frame", "line", "pad"}))
       ->capture_default_str();
   command
-      ->add_option("--target", request->target,
-                   "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction; slid, how far "
-                   "pads slid since rest")
+      ->add_option(
+          "--target", request->target,
+          "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction; slid, how far "
+          "pads slid since rest")
       ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid"}))
       ->capture_default_str();
   command
-      ->add_option("--alarm-at", request->alarm_at,
-                   "with --target slid: threshold of `tactel monitor --alarm` that the network's file holds, above 0 and "
-                   "below 1 (default: none)")
+      ->add_option(
+          "--alarm-at", request->alarm_at,
+          "with --target slid: threshold of `tactel monitor --alarm` that the network's file holds, above 0 and "
+          "below 1 (default: none)")
       ->check(CLI::Range(1e-3, 0.999))
       ->type_name("FLOAT");
   add_training_options(*command, *request);

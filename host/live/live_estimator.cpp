@@ -126,10 +126,10 @@ class SharedLaunch {
         found_(networks.size()) {
     for (const nn::Model* network : of_sensors) {
       const auto stresses = static_cast<int>(inputs_.cols());
-      sensors_.push_back({static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
-                          infer::SensorFrames(network->scaling, network->history, network->learnt, stresses,
-                                              touch[sensors_.size()]),
-                          network->learnt, network->scaling.normals(stresses)});
+      sensors_.push_back(
+          {static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
+           infer::SensorFrames(network->scaling, network->history, network->learnt, stresses, touch[sensors_.size()]),
+           network->learnt, network->scaling.normals(stresses)});
     }
     run();  // compiles, and has the answers' memory
   }

@@ -65,13 +65,14 @@ void take_largest(MonitorLine& line) {
 
 /// touch: MPa, of options or profile.
 AlarmOptions rules_of(const MonitorOptions& options, const SlipEstimator* network, double touch) {
-  return {options.at,
-          options.touch.value_or(std::max<double>(touch, network && !network->needs_rest() ? network->smallest_peak() : 0)),
-          options.widest,
-          options.hold,
-          options.ignore_unlike,
-          options.rest,
-          options.signal};
+  return {
+      options.at,
+      options.touch.value_or(std::max<double>(touch, network && !network->needs_rest() ? network->smallest_peak() : 0)),
+      options.widest,
+      options.hold,
+      options.ignore_unlike,
+      options.rest,
+      options.signal};
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct MonitorOptions {
   int hold = 1;
   bool ignore_unlike = false, rest = false;
   AlarmSignal signal = AlarmSignal::slip;
-  double friction = 0, friction_spread = 0.1;  ///< as of Alarm::friction; 0: not known
+  double friction = 0, friction_spread = 0.1;                   ///< as of Alarm::friction; 0: not known
   std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S or slid
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch

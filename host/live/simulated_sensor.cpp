@@ -54,7 +54,8 @@ void require_at_least(const std::string& key, double value, double least, const 
 void SimulationOptions::validate() const {
   if (!(rate > 0 && rate <= 1e6))
     throw ValueError("rate", fmt::format("{}", rate), "a number of Hz, above 0, at most 1e6");
-  const std::pair<const char*, double> times[] = {{"rest", rest}, {"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
+  const std::pair<const char*, double> times[] = {
+      {"rest", rest}, {"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
   for (const auto& [key, value] : times) require_at_least(key, value, 0, "a number of s, not below 0");
   for (const auto& [key, value] : {std::pair<const char*, double>{"gain_spread", gain_spread}, {"noise", noise}})
     if (!(value >= 0 && value <= 1)) throw ValueError(key, fmt::format("{}", value), "a number from 0 to 1");

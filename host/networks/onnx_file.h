@@ -13,8 +13,8 @@ namespace tactel::host {
 /// rounding. The file is written under a temporary name, then renamed. Throws ConfigError where it cannot be written.
 void write_onnx(const std::filesystem::path& path, const nn::Model& model);
 
-/// Reads a network that write_onnx wrote, or one of the library by its name, "uskin-4x4". Throws ConfigError, with the reason, for a file that cannot be read, is
-/// truncated or damaged, or holds another graph.
+/// Reads a network that write_onnx wrote, or one of the library by its name, "uskin-4x4". Throws ConfigError, with the
+/// reason, for a file that cannot be read, is truncated or damaged, or holds another graph.
 nn::Model read_onnx(const std::filesystem::path& path);
 
 /// Returns "42-42-21-1_noise0.1_seed7.onnx".

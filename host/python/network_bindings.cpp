@@ -310,9 +310,8 @@ void bind_networks(py::module_& m) {
            "of a LiveEstimator, in place of its own.")
       .def("friction", &OwnAlarm::friction, "mu"_a, "spread"_a = 0.1,
            "Tells a network of train(friction=True) mu and its relative standard deviation; 0: mu is not known.")
-      .def(
-          "rest", &OwnAlarm::rest,
-          "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm that needs the rest.")
+      .def("rest", &OwnAlarm::rest,
+           "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm that needs the rest.")
       .def("clear", &OwnAlarm::clear, "Ends the alarm and forgets all frames.")
       .def_property_readonly(
           "inputs", [](const OwnAlarm& own) { return own.alarm.inputs(); }, "numbers of a frame");
@@ -347,8 +346,8 @@ void bind_networks(py::module_& m) {
          std::string optimizer, std::string loss, std::optional<int> cycles, std::optional<int> batch,
          std::optional<double> rate, std::optional<double> warm_up, std::optional<double> average,
          const Set* validation, std::optional<int> patience, bool bound, std::optional<double> level,
-         std::string history, std::optional<double> history_change, std::string target, bool friction, std::string device,
-         py::object progress) {
+         std::string history, std::optional<double> history_change, std::string target, bool friction,
+         std::string device, py::object progress) {
         TrainOptions options;
         options.networks = std::move(networks);
         options.seeds = seeds;
@@ -375,8 +374,7 @@ void bind_networks(py::module_& m) {
       },
       "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "features"_a, "schedule"_a,
       "optimizer"_a, "loss"_a, "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a,
-      "bound"_a, "level"_a, "history"_a, "history_change"_a, "target"_a, "friction"_a,
-      "device"_a, "progress"_a);
+      "bound"_a, "level"_a, "history"_a, "history_change"_a, "target"_a, "friction"_a, "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -317,7 +317,8 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
 class Slide {
  public:
   void add(const Row& row, const PadContactOf& contact) {
-    const auto& [poisson, thickness, young] = std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
+    const auto& [poisson, thickness, young] =
+        std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
     const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young;
     if (limit > 0) over_limit_ += std::max(0.0, row.slid - slid_) / limit;  // a step solved alone has a path of its own
     slid_ = row.slid;

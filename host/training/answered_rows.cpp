@@ -45,7 +45,8 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   for (const std::size_t row : answered.row) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
     const bool slides = target == nn::Target::slid;
-    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = slides ? nn::slid_target(answer[row]) : answer[row];
+    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) =
+        slides ? nn::slid_target(answer[row]) : answer[row];
     if (slides) frames.slid.push_back(answer[row]);
     frames.slip.push_back(set.slip_index[row]);
     frames.shape_class.push_back(set.indenter[row]);

@@ -26,8 +26,8 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target = nn::T
 /// The same; throws ConfigError naming `file` when no row is left.
 AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target = nn::Target::slip_index);
 
-/// Returns the rows as a network takes them: with history (nn::with_history, also for `spread`), and with |S| in place of
-/// S for `magnitude`. Throws ConfigError naming `file` for rows that no history can be formed from.
+/// Returns the rows as a network takes them: with history (nn::with_history, also for `spread`), and with |S| in place
+/// of S for `magnitude`. Throws ConfigError naming `file` for rows that no history can be formed from.
 nn::FrameSet shown_rows(const nn::FrameSet& rows, const nn::InputHistory& history, bool magnitude,
                         const std::string& file, std::optional<double> spread = {});
 

@@ -143,9 +143,9 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
 
 template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&, std::span<const NamedNetwork>,
                                                                           const nn::FrameSet&, bool, const Progress&,
-                                                                         double);
+                                                                          double);
 template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&, std::span<const NamedNetwork>,
                                                                            const nn::FrameSet&, bool, const Progress&,
-                                                                         double);
+                                                                           double);
 
 }  // namespace tactel::host

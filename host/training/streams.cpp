@@ -32,8 +32,7 @@ nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::stri
 std::string text_of(const ShownRows& shown) {
   const nn::InputHistory& h = shown.history;
   return (h.path() > 1 ? fmt::format(" history {}:{} change {:a}", h.path(), h.stride, h.change) : "") +
-         (h.rest ? " rest" : "") + (h.friction ? " friction" : "") +
-         (shown.magnitude ? " magnitude" : "") +
+         (h.rest ? " rest" : "") + (h.friction ? " friction" : "") + (shown.magnitude ? " magnitude" : "") +
          (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }
 

@@ -58,7 +58,8 @@ void refuse_unused(const TrainRequest& request) {
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
   if (request.friction && request.target == "slid")
-    throw ConfigError("command line", "--friction", "given", "left out with --target slid, which does not depend on mu");
+    throw ConfigError("command line", "--friction", "given",
+                      "left out with --target slid, which does not depend on mu");
   if (request.target != "slid") refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid");
   if (request.stream.empty() && !request.rung.empty())
     throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
@@ -98,8 +99,8 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
   return batch;
 }
 
-/// A name has the inputs of the frames without the rest and what is told. The paper's numbers stand for its hidden layers behind as many
-/// as there are.
+/// A name has the inputs of the frames without the rest and what is told. The paper's numbers stand for its hidden
+/// layers behind as many as there are.
 nn::Topology topology_of(const std::string& name, const nn::InputHistory& history) {
   const nn::Topology topology = nn::Topology::parse(name);
   const bool numbered = name.substr(0, name.find('_')).find('-') == std::string::npos;
@@ -194,7 +195,8 @@ TrainingPlan plan_of(const TrainRequest& request) try {
 }
 
 std::string named(const nn::Topology& topology, const nn::InputHistory& history) {
-  return topology.with_inputs((topology.inputs() - (history.friction ? 2 : 0)) / history.frames * history.path()).text();
+  return topology.with_inputs((topology.inputs() - (history.friction ? 2 : 0)) / history.frames * history.path())
+      .text();
 }
 
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
@@ -204,10 +206,10 @@ void check_width(const TrainingPlan& plan, const NamedSet& set) {
   const int inputs = set.contacts.inputs, frames = plan.history.path();
   for (const nn::Topology& topology : plan.topologies)
     if (topology.inputs() != nn::numbers_of(plan.history, inputs))
-      throw ConfigError(
-          "command line", "--network", named(topology, plan.history),
-          frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, set.file)
-                      : fmt::format("a network with {} inputs, {} for each of {} frames", inputs * frames, inputs, frames));
+      throw ConfigError("command line", "--network", named(topology, plan.history),
+                        frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, set.file)
+                                    : fmt::format("a network with {} inputs, {} for each of {} frames", inputs * frames,
+                                                  inputs, frames));
 }
 
 }  // namespace tactel::host

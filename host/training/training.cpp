@@ -352,8 +352,8 @@ Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device
     if (lesson.stream && topology.inputs() != lesson.stream->inputs())
       throw ConfigError("command line", "--network", named(topology, plan.history),
                         fmt::format("a network with {} inputs, as many as the frames have",
-                                    (lesson.stream->inputs() - (plan.history.friction ? 2 : 0)) /
-                                        plan.history.frames * plan.history.path()));
+                                    (lesson.stream->inputs() - (plan.history.friction ? 2 : 0)) / plan.history.frames *
+                                        plan.history.path()));
   if (!request.recall_set.empty()) {
     stage(request.recall_set);
     lesson.recall = read_set(request.recall_set, plan.target);

@@ -450,7 +450,8 @@ Graph graph_of(const nn::Model& model) {
   const nn::InputScaling& scaling = model.scaling;
   const int numbers = model.numbers();
   const string frame = scaling.friction ? "stresses" : "frame";
-  const string inputs = scaling.friction ? "scaled_stresses" : "scaled", relative = features ? "relative_frame" : inputs;
+  const string inputs = scaling.friction ? "scaled_stresses" : "scaled",
+               relative = features ? "relative_frame" : inputs;
   if (scaling.friction) add_stresses(builder, rows, numbers);
   if (scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, scaling, frame, relative);

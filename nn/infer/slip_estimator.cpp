@@ -109,8 +109,7 @@ AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, cons
   if (!(P >= nn::InputScaling::smallest_stress * scale)) return AnswerStatus::no_stress;
   const float factor = 1.0f / P;
   for (int i = 0; i < frames; ++i)
-    for (int k = 0; k < width; ++k)
-      scaled[i * width + k] = (frame[i * width + k] * scale - rest[k] * scale) * factor;
+    for (int k = 0; k < width; ++k) scaled[i * width + k] = (frame[i * width + k] * scale - rest[k] * scale) * factor;
   if (scaling.features != nn::Features::frame) nn::add_features(scaling, inputs, 0.0f, scaled);
   return AnswerStatus::ok;
 }

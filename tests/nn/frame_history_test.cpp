@@ -184,10 +184,12 @@ TEST(WithHistory, ARestIsAnEarlierRowThatHolds) {
 // Of 3000 rows each of the nine earlier ones is the rest of some 333: six standard deviations are 104.
 TEST(WithHistory, ARestIsAnyOfThoseThatHold) {
   constexpr int contacts = 3000, rows = 10;
-  FrameSet set{.frames = RowMatrix<float>::Constant(contacts * rows, 2, -1), .slip_index = Vector<float>::Zero(contacts * rows)};
+  FrameSet set{.frames = RowMatrix<float>::Constant(contacts * rows, 2, -1),
+               .slip_index = Vector<float>::Zero(contacts * rows)};
   for (int row = 0; row < contacts * rows; ++row) {
     set.frames(row, 1) = static_cast<float>(row % rows);
-    set.contact.push_back(static_cast<std::uint64_t>(row / rows)), set.step.push_back(static_cast<std::uint32_t>(row % rows));
+    set.contact.push_back(static_cast<std::uint64_t>(row / rows)),
+        set.step.push_back(static_cast<std::uint32_t>(row % rows));
   }
   set.slip.assign(contacts * rows, 0.5f);
   const FrameSet formed = with_history(set, {.frames = 2, .rest = true});
@@ -196,9 +198,9 @@ TEST(WithHistory, ARestIsAnyOfThoseThatHold) {
   for (int i = 0; i < rows - 1; ++i) EXPECT_NEAR(taken[static_cast<std::size_t>(i)], 333, 104) << i;
 }
 
-// Told exactly, not at all, and drawn: a quarter is silent (six standard deviations of 20 000 are 0.018), the logarithm of
-// the spread is even between those of 0.02 and 1 (mean -1.956, deviation 3.912 / sqrt(12)), and so many spreads apart from
-// mu is a normal number.
+// Told exactly, not at all, and drawn: a quarter is silent (six standard deviations of 20 000 are 0.018), the logarithm
+// of the spread is even between those of 0.02 and 1 (mean -1.956, deviation 3.912 / sqrt(12)), and so many spreads
+// apart from mu is a normal number.
 TEST(WithHistory, FrictionIsToldWithItsSpread) {
   constexpr int rows = 20000;
   FrameSet set{.frames = RowMatrix<float>::Constant(rows, 2, -1), .slip_index = Vector<float>::Zero(rows)};

@@ -32,7 +32,8 @@ bool same(const Answer& a, const Answer& b) {
          a.unlike == b.unlike;
 }
 
-/// Presses and drags that hold still for 40 of 100 frames and end now and then, with noise, frames at rest and frames with NaN; each sensor by itself.
+/// Presses and drags that hold still for 40 of 100 frames and end now and then, with noise, frames at rest and frames
+/// with NaN; each sensor by itself.
 class Frames {
  public:
   explicit Frames(std::span<const nn::Model* const> networks) : networks_(networks) {}

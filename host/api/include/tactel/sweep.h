@@ -22,17 +22,17 @@ struct Set {
   std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty;
                                                       ///< of pads the position [rows, 2]
   std::vector<float> torque, twist, force_ratio;      ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> slid;                            ///< [rows] of pads: slide since first touch over the elastic limit
-  std::vector<float> friction, stick_fraction;        ///< [rows] mu; stuck length over contact length
-  std::vector<float> residual;                        ///< [rows] largest relative residual
-  std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
-  std::vector<std::uint32_t> step;                    ///< [rows] load step of the contact
-  std::vector<std::uint16_t> indenter;                ///< [rows] index in indenter_names
-  std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
-  std::vector<std::uint8_t> status;   ///< [rows] 0 solved, 1 sliding, 2 over tolerance, 3 few cells touch
-  std::vector<std::uint8_t> outside;  ///< [rows] of pads, what the model does not serve: sum of
-                                      ///< 1 nearer than the thickness H to an edge, 2 farther than H
-                                      ///< from every tactel at a pitch above 2 H, 4 cells longer than H
+  std::vector<float> slid;                      ///< [rows] of pads: slide since first touch over the elastic limit
+  std::vector<float> friction, stick_fraction;  ///< [rows] mu; stuck length over contact length
+  std::vector<float> residual;                  ///< [rows] largest relative residual
+  std::vector<std::uint64_t> contact;           ///< [rows] contact of the sweep
+  std::vector<std::uint32_t> step;              ///< [rows] load step of the contact
+  std::vector<std::uint16_t> indenter;          ///< [rows] index in indenter_names
+  std::vector<std::uint16_t> contact_nodes;     ///< [rows] surface nodes that touch
+  std::vector<std::uint8_t> status;             ///< [rows] 0 solved, 1 sliding, 2 over tolerance, 3 few cells touch
+  std::vector<std::uint8_t> outside;            ///< [rows] of pads, what the model does not serve: sum of
+                                                ///< 1 nearer than the thickness H to an edge, 2 farther than H
+                                                ///< from every tactel at a pitch above 2 H, 4 cells longer than H
   std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
   std::vector<float> tactel_x, tactel_y;     ///< [tactels] mm; empty where contacts differ in them; tactel_y: of pads
   std::vector<float> parameters;             ///< [contacts, names] what was drawn; NaN: has none; or empty

@@ -57,8 +57,8 @@ class TACTEL_API SlipEstimator {
   /// Returns the numbers of an input: a normal and a shear stress for each tactel, in each of frames() frames, and what
   /// takes_friction().
   std::size_t inputs() const noexcept;
-  /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first, and behind them the rest
-  /// where needs_rest(). SlipHistory gathers them.
+  /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first, and behind them the
+  /// rest where needs_rest(). SlipHistory gathers them.
   std::size_t frames() const noexcept;
   /// Returns the tactels: of each frame so many numbers, the first, are normal stresses.
   std::size_t tactels() const noexcept;
@@ -68,8 +68,8 @@ class TACTEL_API SlipEstimator {
   float smallest_peak() const noexcept;
   /// Returns whether the network reads changes since the grip was at rest (`tactel train --scaling rest`).
   bool needs_rest() const noexcept;
-  /// Returns whether the network takes what is known of friction (`tactel train --friction`): the last two numbers of an
-  /// input are mu, 0 where it is not known, and its relative standard deviation.
+  /// Returns whether the network takes what is known of friction (`tactel train --friction`): the last two numbers of
+  /// an input are mu, 0 where it is not known, and its relative standard deviation.
   bool takes_friction() const noexcept;
   /// Returns the threshold of an alarm that the file of a network of `slid` has (`tactel train --alarm-at`). 0: none.
   float alarm_at() const noexcept;
@@ -101,8 +101,8 @@ class TACTEL_API SlipEstimator {
 };
 
 /// The frames of one sensor, one after the other, for a network with history: it keeps the frames that the network's
-/// input takes, by change of load (docs/networks.md), and the rest of the grip as Alarm finds it. A network of one frame
-/// answers as by itself. Each sensor needs its own object; an object is for one thread at a time.
+/// input takes, by change of load (docs/networks.md), and the rest of the grip as Alarm finds it. A network of one
+/// frame answers as by itself. Each sensor needs its own object; an object is for one thread at a time.
 class TACTEL_API SlipHistory {
  public:
   /// Allocates all memory that estimate() needs.
@@ -118,8 +118,8 @@ class TACTEL_API SlipHistory {
   /// Takes the sensor's next frame [inputs] MPa and returns S. Every frame of the sensor must pass, at any rate.
   /// Allocates nothing, takes no lock and throws nothing.
   Answer estimate(std::span<const float> frame) noexcept;
-  /// Tells a network that takes friction mu, above 0, and its relative standard deviation, 0 or more; 0: mu is not known,
-  /// as in the beginning.
+  /// Tells a network that takes friction mu, above 0, and its relative standard deviation, 0 or more; 0: mu is not
+  /// known, as in the beginning.
   void friction(float mu, float spread) noexcept;
   /// Seeks the rest anew from the next frame on.
   void rest() noexcept;
