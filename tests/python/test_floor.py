@@ -148,7 +148,7 @@ class PadRows(unittest.TestCase):
                 return len(self.contact)
         rows = Rows(
             axes=3, frames=frames, slip_index=np.array([0.6, 0.6, 0.6, 0.04]), force_ratio=np.array([0.45, 0.3, 0.1, 0.0]),
-            status=np.zeros(4), contact=np.zeros(4, int), step=np.arange(4), indenter=np.full(4, 2), contact_nodes=np.full(4, 99))
+            friction=np.full(4, 0.5), status=np.zeros(4), contact=np.zeros(4, int), step=np.arange(4), indenter=np.full(4, 2), contact_nodes=np.full(4, 99))
         bank = floor._collect(rows, floor.Options())
         self.assertEqual(bank.classes.tolist(), [[2, 2, 2, 2], [1, 2, 3, 0], [0, 0, 0, 0]])
         rows.frames = np.concatenate([frames[:, :2]] * 3 + [frames[:, 2:]] * 2, axis=1)[:, :18]  # six tactels
