@@ -100,6 +100,10 @@ struct OwnAlarm {
     alarm.friction(mu, spread);
     if (estimator) estimator->friction(static_cast<float>(mu), static_cast<float>(spread));
   }
+  float slides() {
+    if (estimator) throw InputError("device", "given", "leave it out: frames on a device do not tell mu");
+    return alarm.slides();
+  }
   void rest() {
     alarm.rest();
     if (estimator) estimator->rest();
@@ -308,6 +312,10 @@ void bind_networks(py::module_& m) {
       .def("next", &OwnAlarm::next, "frame"_a, "answer"_a = py::none(),
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
            "of a LiveEstimator, in place of its own.")
+      .def("slides", &OwnAlarm::slides,
+           "Call it where the object is known to slide in the newest frame: reads mu from it, tells it from the next "
+           "frame on, "
+           "and returns it; nan where there is none.")
       .def("friction", &OwnAlarm::friction, "mu"_a, "spread"_a = 0.1,
            "Tells a network of train(friction=True) mu and its relative standard deviation; 0: mu is not known.")
       .def("rest", &OwnAlarm::rest,

@@ -171,6 +171,8 @@ void Alarm::friction(double mu, double spread) {
   state_->history->friction(static_cast<float>(mu), static_cast<float>(spread));
 }
 
+float Alarm::slides() noexcept { return state_->history ? state_->history->slides() : std::nanf(""); }
+
 void Alarm::rest() noexcept {
   if (state_->history) state_->history->rest();
   if (state_->rest) state_->rest->forget();

@@ -167,6 +167,18 @@ tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, s
           answer.cannot_tell,      answer.rest ? int{*answer.rest} : -1,       answer.moved};
 }
 
+int tactel_alarm_friction(tactel_alarm* alarm, double mu, double spread) {
+  last_error = "tactel_alarm_friction: no alarm; give one of tactel_alarm_create";
+  if (alarm == nullptr) return 0;
+  const auto told = made("tactel_alarm_friction: out of memory; free some", [&] {
+    alarm->alarm.friction(mu, spread);
+    return alarm;
+  });
+  return told != nullptr;
+}
+
+float tactel_alarm_slides(tactel_alarm* alarm) { return alarm != nullptr ? alarm->alarm.slides() : NAN; }
+
 void tactel_alarm_rest(tactel_alarm* alarm) {
   if (alarm != nullptr) alarm->alarm.rest();
 }

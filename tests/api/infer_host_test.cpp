@@ -173,6 +173,10 @@ TEST(InferHost, TakesNull) {
   EXPECT_EQ(first.answer.slip_index, tactel_estimate(estimator, touching, 4).slip_index);
   EXPECT_EQ(first.acted_on, first.answer.slip_upper);
   EXPECT_EQ(second.on, 1);
+  EXPECT_EQ(tactel_alarm_friction(alarm, 0.5, 0.1), 0);
+  EXPECT_THAT(tactel_error(), HasSubstr("does not take friction"));
+  EXPECT_EQ(tactel_alarm_friction(nullptr, 0.5, 0.1), 0);
+  EXPECT_TRUE(std::isnan(tactel_alarm_slides(alarm)) && std::isnan(tactel_alarm_slides(nullptr)));
   tactel_alarm_clear(alarm);
   tactel_alarm_clear(nullptr);
   EXPECT_EQ(tactel_alarm_next(alarm, touching, 4).on, 0) << "one of two frames";

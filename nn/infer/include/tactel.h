@@ -121,6 +121,14 @@ TACTEL_API void tactel_alarm_free(tactel_alarm* alarm);
    alarm as it is. */
 TACTEL_API tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count);
 
+/* Tells a network that takes friction mu, 0: it is not known, and its relative standard deviation. Returns 0 for
+   numbers out of range and a network that does not take friction; tactel_error() says why. */
+TACTEL_API int tactel_alarm_friction(tactel_alarm* alarm, double mu, double spread);
+
+/* Where the object is known to slide in the newest frame: reads mu, tells it from the next frame on, and returns it;
+   NaN where there is none (tactel::Alarm::slides of tactel/infer.h). */
+TACTEL_API float tactel_alarm_slides(tactel_alarm* alarm);
+
 /* Seeks rest anew from the next frame on, after a change of the grip; ends an alarm of TACTEL_MOVED. */
 TACTEL_API void tactel_alarm_rest(tactel_alarm* alarm);
 

@@ -340,8 +340,28 @@ TEST(Alarm, TellsFriction) {
   EXPECT_NEAR(S(), 1 / (1 + std::exp(-1.0)), 1e-6);
   EXPECT_THAT(thrown_message<InputError>([&] { alarm.friction(-1, 0.1); }), HasSubstr("friction: -1"));
   EXPECT_THAT(thrown_message<InputError>([&] { alarm.friction(0.5, NAN); }), HasSubstr("spread: nan"));
+  EXPECT_THAT(alarm.slides(), IsNan()) << "the file has no range of mu";
   Alarm other(estimator_of(shear_network()), {});
   EXPECT_THAT(thrown_message<InputError>([&] { other.friction(0.5, 0.1); }), HasSubstr("does not take friction"));
+}
+
+// 10 mu / (mu + 0.5) times -1 and 8 more: S = 0.97 where its logit is 3.476, mu = 0.5 x / (1 - x) with x = 0.4524:
+// 0.413.
+TEST(Alarm, ReadsFrictionFromASlide) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology({6, 1, 1}, nn::Activation::leaky_relu), 7);
+  std::ranges::fill(weights.values, 0.0f);
+  weights.values[4] = 1, weights.values[weights.values.size() - 2] = -10, weights.values.back() = 8;
+  nn::Model model{weights, {.friction = true}, 7, 0, "", 0, {}};
+  model.history.friction = true;
+  model.learnt = {.least_friction = 0.2f, .most_friction = 1.2f};
+  Alarm alarm(estimator_of(model), {.at = 0.8f, .touch = 0.01});
+  alarm.next(grip(0.3f, 0.1f));
+  EXPECT_NEAR(alarm.slides(), 0.413, 0.001);
+  EXPECT_NEAR(alarm.next(grip(0.3f, 0.1f)).answer.slip_index, 0.97, 1e-3);
+  alarm.friction(0.75, 0.1);
+  EXPECT_NEAR(alarm.next(grip(0.3f, 0.1f)).answer.slip_index, 1 / (1 + std::exp(-2.0)), 1e-6);
+  EXPECT_NEAR(alarm.slides(), 0.413, 0.001);
+  EXPECT_TRUE(std::isnan(Alarm(2, 2, {.at = 0.05f, .touch = 0.01, .signal = AlarmSignal::moved}).slides()));
 }
 
 // A network gives S beside; the alarm acts on what it is told to.

@@ -19,7 +19,7 @@ struct TrainOptions {
   std::vector<double> noises{0.0};  ///< standard deviation of added noise over the set's largest |stress|
   std::string scaling = "set";      ///< "set", "frame" or "rest"
   std::string features = "frame";   ///< of scaling "frame" or "rest": "line" or "pad", one of all mirror images of a
-                                   ///< frame and its sums before the network; "line" learns |S|
+                                    ///< frame and its sums before the network; "line" learns |S|
   std::string schedule = "online";  ///< "online" (the paper's rule), "batch", or "cosine": mini-batches at a rate that
                                     ///< warms up and falls to 0 as a cosine
   std::string optimizer{};          ///< of mini-batches: "adam" (default) or "delta"
