@@ -3,7 +3,7 @@
 """Pads of 16 tactels with three axes, 48 numbers a pad in a line, through a pipe to `tactel monitor` by the clock.
 
 Usage: bench/live_pads.py [--program build/tactel] [--pads 2] [--device NAME] [--frames 20000] [--rate 1000] [--busy 0]
-Teaches a network on a few simulated contacts first. Prints how many lines came back, the latency from the write of
+The network is uskin-4x4, which takes the rest of the grip. Prints how many lines came back, the latency from the write of
 a line to the read of its answer, and the part of it inside the program. Ends with 1 where a frame was lost or dropped
 as late, or a line is missing. --device: OpenCL's kernel answers. --busy: so many processes compute beside it."""
 import argparse
@@ -17,17 +17,6 @@ import threading
 import time
 
 REST = (16000.0, 16500.0, 39000.0)  # counts of x, y, z
-
-
-def network(program, folder):
-    example = pathlib.Path(__file__).parent.parent / "examples" / "uskin_4x4.toml"
-    sweep = folder / "sweep.toml"
-    sweep.write_text(example.read_text().replace("contacts = 20000", "contacts = 200"))
-    quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run([program, "generate", sweep, "--output", folder / "set.h5"], **quiet)
-    subprocess.run([program, "train", folder / "set.h5", "--network", "48-24-12-1", "--schedule", "batch", "--scaling",
-                    "frame", "--cycles", "10", "--output", folder / "nets"], **quiet)
-    return next((folder / "nets").glob("*.onnx"))
 
 
 def lines(frames, pads, load=2000.0, drag=800.0):
@@ -80,12 +69,11 @@ def main():
     profiles = ["--profile", "uskin-4x4"] * options.pads
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        model = network(options.program, folder)
         offsets = tared(options.program, folder, profiles, options.pads)
         texts = list(lines(options.frames, options.pads))
         busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(options.busy)]
         child = subprocess.Popen([options.program, "monitor", "--source", "csv:-", *profiles, "--calibration", offsets,
-                                  "--network", model, "--touch", "0", "--quiet",
+                                  "--network", "uskin-4x4", "--quiet",
                                   *(["--device", options.device] if options.device else [])],
                                  stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         sent, read = [], []

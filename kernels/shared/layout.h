@@ -32,6 +32,7 @@
   FIELD(ChainSettings, step_time)        \
   FIELD(ChainSettings, time_constant)    \
   FIELD(ChainSettings, gain_spread)      \
+  FIELD(ChainSettings, shear_gain)       \
   FIELD(ChainSettings, offset_spread)    \
   FIELD(ChainSettings, noise)            \
   FIELD(ChainSettings, noise_of_largest) \

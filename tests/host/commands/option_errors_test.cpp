@@ -123,7 +123,7 @@ const WrongCall wrong_calls[] = {
     {"NoNestedCommand", "calibrate", "command = (missing): must be one of plan, sensor, bound"},
     {"OptionForACommand", "calibrate --html a.html",
      "command = --html: must be one of plan, sensor, bound; options and files stand behind it"},
-    {"ControlCharacters", "train --scaling a\x1b[31m\n", "--scaling = a [31m : must be one of set, frame"}};
+    {"ControlCharacters", "train --scaling a\x1b[31m\n", "--scaling = a [31m : must be one of set, frame, rest"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongOptionTest, testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
 
