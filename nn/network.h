@@ -82,7 +82,8 @@ struct InputScaling {
   /// those numbers.
   int inputs(int numbers) const { return width(numbers) * shown() + shown() * sums() + has_peak() + told(); }
   int numbers(int inputs) const {
-    return (inputs - told() - shown() * sums() - has_peak()) / shown() * history + told();
+    const int frames = shown() > 0 ? shown() : 1;  // of a scaling that validate() refuses there may be none
+    return (inputs - told() - frames * sums() - has_peak()) / frames * history + told();
   }
   /// Returns the stresses of a frame.
   int width(int numbers) const { return (numbers - told()) / history; }

@@ -109,10 +109,10 @@ PadOptions of_sweeps(PadOptions options, const PadScene& scene) {
 class PadWalk {
  public:
   PadWalk(const PadLayer& layer, const PadOptions& options, const PadCells& cells, const PadScene& scene)
-      : options_(options),
+      : turn_(own_to_pad(scene.indenter)),
+        options_(options),
         scene_(scene),
         cells_(cells),
-        turn_(own_to_pad(scene.indenter)),
         influence_(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n),
         contact_(influence_, cells, cell_heights(cells, scene.indenter), scene.friction, of_sweeps(options, scene)),
         stress_(base_stress_of_cells(layer, scene, cells)) {
@@ -126,16 +126,16 @@ class PadWalk {
   void move_to(const PadTarget& target);
   PadStep step_here(std::array<bool, 4>& outside) const;
 
+  Eigen::Matrix2d turn_;                              ///< own frame to that of the pad
+  Eigen::Vector4d change_ = Eigen::Vector4d::Zero();  ///< of the last increment: depth, motion; mm
   const PadOptions& options_;
   const PadScene& scene_;
   PadCells cells_;
-  Eigen::Matrix2d turn_;  ///< own frame to that of the pad
   PadInfluence influence_;
   PadContact contact_;
   Eigen::MatrixXd stress_;
   Eigen::MatrixX2d own_places_;
   DepthSearch search_;
-  Eigen::Vector4d change_ = Eigen::Vector4d::Zero();  ///< of the last increment: depth, motion; mm
   bool converged_ = true;
   int sweeps_ = 0;
 };

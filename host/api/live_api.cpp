@@ -295,6 +295,7 @@ std::vector<DeviceInfo> devices() {
     const std::vector<host::DeviceInfo> found = host::list_devices();
     const int taken = host::default_device(found);
     std::vector<DeviceInfo> all;
+    all.reserve(found.size());
     for (const host::DeviceInfo& one : found)
       all.push_back({one.index, one.name, one.platform, host::name(one.type), one.compute_units, host::memory_of(one),
                      one.fp64, one.index == taken});

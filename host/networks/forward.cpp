@@ -84,7 +84,9 @@ std::vector<Real> bound_numbers(const nn::Bound& bound, int inputs) {
   for (int first = 0; first < inputs; first += BOUND_COLUMNS)
     for (int j = 0; j < inputs; ++j)
       for (int i = first; i < first + BOUND_COLUMNS; ++i)
-        all.push_back(i < inputs ? bound.whitening[static_cast<std::size_t>(j * inputs + i)] : 0);
+        all.push_back(i < inputs ? bound.whitening[static_cast<std::size_t>(j) * static_cast<std::size_t>(inputs) +
+                                                   static_cast<std::size_t>(i)]
+                                 : 0);
   for (const auto* feature : edges) append(*feature);
   append(bound.upper_correction);
   append(bound.interval_correction);

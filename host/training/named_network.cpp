@@ -11,6 +11,7 @@
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
+#include "nn/infer/built_in.h"
 
 namespace tactel::host {
 namespace {
@@ -96,6 +97,7 @@ int paper_number(const nn::Topology& topology) {
 }
 
 std::vector<NamedNetwork> read_networks(const fs::path& path) {
+  if (!infer::built_in_network(path.string()).empty()) return {{path.string(), read_onnx(path)}};
   std::vector<NamedNetwork> networks;
   for (const fs::path& file : onnx_files(path)) networks.push_back({file.filename().string(), read_onnx(file)});
   std::ranges::sort(networks, {}, order_key);

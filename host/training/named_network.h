@@ -25,8 +25,8 @@ struct NamedNetwork {
 /// Returns 1 ... 6 for the paper's topologies, else 0.
 int paper_number(const nn::Topology& topology);
 
-/// Reads one network file, or all *.onnx of a directory: the networks of the paper in its order, then others, by
-/// noise and seed. Throws ConfigError for a path without networks, and as read_onnx.
+/// Reads one network file, one of the library by its name, or all *.onnx of a directory: the networks of the paper in
+/// its order, then others, by noise and seed. Throws ConfigError for a path without networks, and as read_onnx.
 std::vector<NamedNetwork> read_networks(const std::filesystem::path& path);
 
 inline constexpr double told_nothing = std::numeric_limits<double>::infinity();

@@ -184,9 +184,11 @@ void add_image(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int 
 std::vector<string> add_sums(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int n) {
   const bool pad = scaling.features == nn::Features::pad;
   std::vector<float> x, y;
+  const int last_row = n / scaling.columns - 1;
   for (int k = 0; k < n; ++k) {
-    x.push_back(static_cast<float>(k % scaling.columns) - static_cast<float>(scaling.columns - 1) / 2);
-    y.push_back(static_cast<float>(k / scaling.columns) - static_cast<float>(n / scaling.columns - 1) / 2);
+    const int column = k % scaling.columns, row = k / scaling.columns;
+    x.push_back(static_cast<float>(column) - static_cast<float>(scaling.columns - 1) / 2);
+    y.push_back(static_cast<float>(row) - static_cast<float>(last_row) / 2);
   }
   graph.numbers("x", x);
   rows.slice("one_frame", 0, n, "normals");
@@ -207,7 +209,7 @@ std::vector<string> add_sums(Builder& graph, Rows& rows, const nn::InputScaling&
     graph.node("Div", {sum, divisor}, output);
   };
   const auto second_moment = [&](const string& weight, const string& divisor, const string& a, const string& b) {
-    const string name = weight + "_d" + a + "d" + b;
+    string name = weight + "_d" + a + "d" + b;
     rows.sum_of({weight, "d" + a, "d" + b}, name + "_sum");
     over(name + "_sum", divisor, name);
     return name;

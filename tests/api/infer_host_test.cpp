@@ -8,8 +8,9 @@
 #include <tactel/infer.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,7 +67,9 @@ std::vector<Case> cases() {
 void expect_same_bits(const std::vector<Answer>& answers, const std::vector<Answer>& expected) {
   ASSERT_EQ(answers.size(), expected.size());
   for (std::size_t i = 0; i < answers.size(); ++i)
-    EXPECT_EQ(std::memcmp(&answers[i], &expected[i], sizeof answers[i]), 0) << i;
+    EXPECT_EQ((std::bit_cast<std::array<unsigned, 8>>(answers[i])),
+              (std::bit_cast<std::array<unsigned, 8>>(expected[i])))
+        << i;
 }
 
 }  // namespace

@@ -300,6 +300,7 @@ int run_monitor(MonitorRequest request) {
   if (!request.device.empty()) {
     device.emplace(request.device);
     std::vector<const nn::Model*> models;
+    models.reserve(networks.size());
     for (const nn::Model& network : networks) models.push_back(&network);
     compiled = device_estimator(*device, models);
   }

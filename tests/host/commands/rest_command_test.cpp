@@ -194,6 +194,43 @@ TEST_F(RestCommand, ASimulatedGripRaisesTheAlarmWhereItSlides) {
   }
 }
 
+// The network of the library has the hold's threshold from tare, judges the alarm, and is one to recall.
+TEST_F(RestCommand, TheNetworkOfTheLibraryTakesTheThresholdOfAHold) {
+  const std::string chain = "?rest=3&hold=1&time_constant=0&paced=0&gain_spread=0",
+                    grip = "simulate:" + source_file("examples/pad.toml") + chain;
+  std::string scene = text_of(source_file("examples/pad.toml"));
+  const std::string far = "[0.06, 0.02]";
+  ASSERT_NE(scene.find(far), std::string::npos);
+  scene.replace(scene.find(far), far.size(), "[0.006, 0.002]");  // a tenth of the drag that slides
+  EXPECT_TRUE(is_refused(run_tactel({"tare", "--source", grip, "--output", calibration_, "--network", "uskin-4x4"}),
+                         {"--network", "--hold"}));
+  const std::string hold = folder_ / "hold.rec";
+  ASSERT_EQ(
+      run_tactel({"record", "--source", "simulate:" + folder_.write("hold.toml", scene) + chain, "--output", hold})
+          .exit_code,
+      0);
+  const ChildResult tared =
+      run_tactel({"tare", "--source", grip, "--output", calibration_, "--hold", hold, "--network", "uskin-4x4"});
+  ASSERT_EQ(tared.exit_code, 0) << tared.err;
+  EXPECT_THAT(text_of(calibration_), HasSubstr("\nslid = 0.0"));
+  const ChildResult said = run_tactel(
+      {"monitor", "--source", grip, "--calibration", calibration_, "--network", "uskin-4x4", "--alarm", "--quiet"});
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  int begins = 0;
+  bool on = false;
+  for (const auto& line : lines_of(said.out)) {
+    if (line["alarm"] == true && !on) {
+      ++begins;
+      EXPECT_GT(line["device_time"].get<double>(), 4.5);
+    }
+    on = line["alarm"];
+    EXPECT_EQ(line["slid"].is_null(), line["rest"] == false || line["contact"] == false) << line;
+  }
+  EXPECT_EQ(begins, 1);
+  const ChildResult recalled = run_tactel({"recall", "uskin-4x4", hold});
+  EXPECT_EQ(recalled.exit_code, 0) << recalled.err;
+}
+
 // Lines of standard input end the rest, and it is found again.
 TEST_F(RestCommand, ALineOfStandardInputSeeksRestAnew) {
   const ChildResult result = run_child({"/bin/sh", "-c",

@@ -65,6 +65,7 @@ class Frames {
 void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& models,
                            const std::vector<std::size_t>& sensors) {
   std::vector<const nn::Model*> of_sensors;
+  of_sensors.reserve(sensors.size());
   for (const std::size_t which : sensors) of_sensors.push_back(&models[which]);
   const auto host = host_estimator(of_sensors), kernel = device_estimator(device, of_sensors);
   std::vector<Answer> expected(sensors.size()), found(sensors.size());
