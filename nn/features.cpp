@@ -122,7 +122,24 @@ void add_features(const InputScaling& scaling, int numbers, Real peak, Real* x) 
   if (scaling.has_peak()) *out = peak / (peak + Real(scaling.usual_stress));
 }
 
+template <class Real>
+bool take_differences_to_rest(const InputScaling& scaling, int numbers, const float* frames, Real* x) noexcept {
+  const int width = scaling.width(numbers), shown = width * scaling.shown();
+  const float* const rest = frames + shown;
+  const auto small = [](float stress) { return Real(stress) * Real(InputScaling::rest_scale); };
+  Real P(0);
+  for (int k = 0; k < scaling.normals(numbers); ++k) P = P - small(rest[k]);
+  if (!(P >= small(InputScaling::smallest_stress))) return false;
+  const Real factor = Real(1) / P;
+  for (int first = 0; first < shown; first += width)
+    for (int k = 0; k < width; ++k) x[first + k] = (small(frames[first + k]) - small(rest[k])) * factor;
+  if (scaling.features != Features::frame) add_features(scaling, numbers, Real(0), x);
+  return true;
+}
+
 template void add_features(const InputScaling&, int, float, float*) noexcept;
 template void add_features(const InputScaling&, int, double, double*) noexcept;
+template bool take_differences_to_rest(const InputScaling&, int, const float*, float*) noexcept;
+template bool take_differences_to_rest(const InputScaling&, int, const float*, double*) noexcept;
 
 }  // namespace tactel::nn

@@ -27,6 +27,11 @@ namespace tactel::nn {
 template <class Real>
 void add_features(const InputScaling& scaling, int numbers, Real peak, Real* x) noexcept;
 
+/// Puts into x the differences of an input's finite frames, [numbers], to its last one, the rest, over the rest's P,
+/// and their features; as kernels/forward.cl does. Returns false, and leaves x, where the rest has no P.
+template <class Real>
+bool take_differences_to_rest(const InputScaling& scaling, int numbers, const float* frames, Real* x) noexcept;
+
 inline constexpr float least_divisor = 0.2f, usual_friction = 0.5f, usual_spread = 0.1f;
 
 /// Puts what is told of friction, mu and its relative deviation, into two inputs: mu / (mu + usual_friction) and
@@ -40,5 +45,7 @@ void tell_friction(Real mu, Real spread, Real* x) noexcept {
 
 extern template void add_features(const InputScaling&, int, float, float*) noexcept;
 extern template void add_features(const InputScaling&, int, double, double*) noexcept;
+extern template bool take_differences_to_rest(const InputScaling&, int, const float*, float*) noexcept;
+extern template bool take_differences_to_rest(const InputScaling&, int, const float*, double*) noexcept;
 
 }  // namespace tactel::nn

@@ -26,21 +26,6 @@ const char* name(FrameStatus status) {
 
 namespace {
 
-/// scale_frame by the rest, of finite stresses.
-template <class Scalar>
-FrameStatus scale_differences(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled) {
-  const int width = scaling.width(numbers), shown = width * scaling.shown();
-  const float* const rest = frame + shown;
-  const auto small = [](float x) { return Scalar(x) * Scalar(InputScaling::rest_scale); };
-  Scalar P(0);
-  for (int k = 0; k < scaling.normals(numbers); ++k) P = P - small(rest[k]);
-  if (!(P >= small(InputScaling::smallest_stress))) return FrameStatus::no_stress;
-  const Scalar factor = Scalar(1) / P;
-  for (int k = 0; k < shown; ++k) scaled[k] = (small(frame[k]) - small(rest[k % width])) * factor;
-  if (scaling.features != Features::frame) add_features(scaling, numbers, Scalar(0), scaled);
-  return FrameStatus::ok;
-}
-
 /// scale_frame by the set or the frame, of finite stresses.
 template <class Scalar>
 FrameStatus scale_stresses(const InputScaling& scaling, const float* frame, int numbers, Scalar* scaled) {
@@ -66,8 +51,11 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int num
   const auto not_finite = [](float x) { return !std::isfinite(x); };
   std::fill(scaled, scaled + scaling.inputs(numbers), Scalar(0));
   if (std::any_of(frame, frame + numbers, not_finite)) return FrameStatus::not_finite;
-  const FrameStatus status = scaling.kind == ScalingKind::rest ? scale_differences(scaling, frame, numbers, scaled)
-                                                               : scale_stresses(scaling, frame, numbers, scaled);
+  FrameStatus status = FrameStatus::no_stress;
+  if (scaling.kind != ScalingKind::rest)
+    status = scale_stresses(scaling, frame, numbers, scaled);
+  else if (take_differences_to_rest(scaling, numbers, frame, scaled))
+    status = FrameStatus::ok;
   if (scaling.friction && status == FrameStatus::ok)
     tell_friction(Scalar(frame[numbers - 2]), Scalar(frame[numbers - 1]), scaled + scaling.inputs(numbers) - 2);
   return status;

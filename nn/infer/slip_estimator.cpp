@@ -98,22 +98,6 @@ bool all_finite(const float* numbers, int count) noexcept {
   return found == 0;
 }
 
-/// scale_frame by the rest, of finite stresses.
-AnswerStatus scale_differences(const nn::InputScaling& scaling, int inputs, const float* frame,
-                               float* scaled) noexcept {
-  const int width = scaling.width(inputs), frames = scaling.shown();
-  const float* const rest = frame + frames * width;
-  constexpr float scale = nn::InputScaling::rest_scale;
-  float P = 0;
-  for (int k = 0; k < scaling.normals(inputs); ++k) P = P - rest[k] * scale;
-  if (!(P >= nn::InputScaling::smallest_stress * scale)) return AnswerStatus::no_stress;
-  const float factor = 1.0f / P;
-  for (int i = 0; i < frames; ++i)
-    for (int k = 0; k < width; ++k) scaled[i * width + k] = (frame[i * width + k] * scale - rest[k] * scale) * factor;
-  if (scaling.features != nn::Features::frame) nn::add_features(scaling, inputs, 0.0f, scaled);
-  return AnswerStatus::ok;
-}
-
 /// scale_frame by the set or the frame, of finite stresses.
 AnswerStatus scale_stresses(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
@@ -136,8 +120,11 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
   const int inputs = network.inputs;
   std::fill_n(scaled, scaling.inputs(inputs), 0.0f);
   if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
-  const AnswerStatus status = scaling.kind == nn::ScalingKind::rest ? scale_differences(scaling, inputs, frame, scaled)
-                                                                    : scale_stresses(network, frame, scaled);
+  AnswerStatus status = AnswerStatus::no_stress;
+  if (scaling.kind != nn::ScalingKind::rest)
+    status = scale_stresses(network, frame, scaled);
+  else if (nn::take_differences_to_rest(scaling, inputs, frame, scaled))
+    status = AnswerStatus::ok;
   if (scaling.friction && status == AnswerStatus::ok)
     nn::tell_friction(frame[inputs - 2], frame[inputs - 1], scaled + scaling.inputs(inputs) - 2);
   return status;
