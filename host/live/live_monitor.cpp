@@ -155,10 +155,8 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
   if (!networks.empty()) estimator_ = device ? device_estimator(*device, models, touch) : host_estimator(models, touch);
   if (device) summary_.device = device->info().name;
-  if (options.friction > 0) {
-    for (Sensor& sensor : sensors_) sensor.alarm.friction(options.friction, options.friction_spread);
+  if (estimator_ && options.friction > 0)
     estimator_->friction(static_cast<float>(options.friction), static_cast<float>(options.friction_spread));
-  }
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
                                  !map_.shear_y.empty());

@@ -252,7 +252,6 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
   hw::ChannelMap map;
   std::vector<PadLayout> pads;
   std::size_t channels = 0;
-  double least_moved = 1, least_slid = least_moved;
   const SensorProfile& first = profiles.front();
   for (const SensorProfile& profile : profiles) {
     const bool alike = !profile.pads.empty() && profile.kind == "csv" && profile.pads[0].pitch == first.pads[0].pitch &&
@@ -272,15 +271,15 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
         {&map.calibration.noise, &calibration.noise}};
     for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
     map.calibration.has_zero &= calibration.has_zero;
-    least_moved = std::min(least_moved, calibration.moved), least_slid = std::min(least_slid, calibration.slid);
-    map.calibration.moved = std::max(map.calibration.moved, calibration.moved);
-    map.calibration.slid = std::max(map.calibration.slid, calibration.slid);
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }
   if (map.calibration.noise.size() != channels) map.calibration.noise.clear();
-  if (least_moved == 0) map.calibration.moved = 0;  // of a pad it is not known
-  if (least_slid == 0) map.calibration.slid = 0;
+  for (const auto threshold : {&hw::Calibration::moved, &hw::Calibration::slid}) {
+    const auto of_pad = [&](const SensorProfile& profile) { return profile.map.calibration.*threshold; };
+    const bool known = std::ranges::all_of(profiles, [&](const SensorProfile& profile) { return of_pad(profile) > 0; });
+    map.calibration.*threshold = known ? of_pad(*std::ranges::max_element(profiles, {}, of_pad)) : 0;
+  }
   return parse_profile(fmt::format("[format]\nkind = \"csv\"\nchannels = {}\n", channels) + channels_text(map, pads) +
                            calibration_text(map.calibration),
                        "--profile");

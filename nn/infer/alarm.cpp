@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "nn/infer/rest_reference.h"
+#include "nn/network.h"
 
 namespace tactel {
 namespace {
@@ -35,7 +35,7 @@ void check(const AlarmOptions& options, double touch, bool has_bound) {
     refuse("widest", options.widest, "leave it out for a network without a bound: it has no interval");
 }
 
-constexpr std::string_view slid = "slid";  // nn::Target::slid
+bool estimates_slid(const SlipEstimator& network) { return network.metadata("target") == nn::name(nn::Target::slid); }
 
 /// Returns the rules with their threshold, with a rest where one is needed, and with a threshold of touch.
 AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
@@ -43,13 +43,13 @@ AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
   options.rest |= network.needs_rest() || options.signal == AlarmSignal::moved;
   const std::string target = network.metadata("target");
   const bool own = options.at == AlarmOptions().at;
-  if (own && target == slid && network.alarm_at() == 0)
+  if (own && estimates_slid(network) && network.alarm_at() == 0)
     throw InputError("at", "missing, and not in the network's file",
                      "give 1.2 times the largest answer in a hold that holds (tactel tare --hold --network)");
   if (own) options.at = network.alarm_at() > 0 ? network.alarm_at() : usual_at;
   check(options, *options.touch, network.has_bound());
   const bool never = options.at == std::numeric_limits<float>::infinity();
-  if (!never && options.signal == AlarmSignal::slip && !target.empty() && target != slid)
+  if (!never && options.signal == AlarmSignal::slip && !target.empty() && !estimates_slid(network))
     throw InputError("network", "estimates " + target, "give one of S or slid: the alarm is for slip");
   return options;
 }
@@ -70,6 +70,14 @@ AlarmOptions checked(std::size_t tactels, std::size_t axes, AlarmOptions options
 struct Alarm::State {
   State(const AlarmOptions& rules, std::size_t numbers, std::size_t normals)
       : options(rules), touch(*rules.touch), inputs(numbers), tactels(normals) {
+    if (options.rest) rest.emplace(inputs, tactels, touch);
+  }
+  State(const SlipEstimator& network, const AlarmOptions& rules)
+      : options(rules),
+        touch(*rules.touch),
+        history(std::in_place, network, touch),
+        inputs(history->inputs()),
+        tactels(network.tactels()) {
     if (options.rest) rest.emplace(inputs, tactels, touch);
   }
   bool by_moved() const noexcept { return options.signal == AlarmSignal::moved; }
@@ -101,10 +109,9 @@ struct Alarm::State {
 };
 
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
-    : state_(new State(checked(network, options), SlipHistory(network).inputs(), network.tactels())) {
-  state_->history.emplace(network, state_->touch);
+    : state_(new State(network, checked(network, options))) {
   state_->has_bound = network.has_bound(), state_->needs_rest = network.needs_rest();
-  state_->takes_friction = network.takes_friction(), state_->of_slid = network.metadata("target") == slid;
+  state_->takes_friction = network.takes_friction(), state_->of_slid = estimates_slid(network);
 }
 Alarm::Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options)
     : state_(new State(checked(tactels, axes, options), tactels * axes, tactels)) {}
