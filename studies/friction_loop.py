@@ -20,8 +20,7 @@ GRID = np.geomspace(0.1, 2, 40)  # of mu
 
 
 def reads(network, frames, mu=0.0, spread=0.0):
-    told = np.broadcast_to(np.array([mu, spread], np.float32).T if np.ndim(mu) else np.float32([mu, spread]), (len(frames), 2))
-    return network(np.hstack([frames, told]).astype(np.float32))
+    return network(np.hstack([frames, np.broadcast_to(np.float32([mu, spread]), (len(frames), 2))]))
 
 
 def pairs(mu, contacts, slides, drift, count, random):

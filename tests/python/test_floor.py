@@ -156,27 +156,31 @@ class PadRows(unittest.TestCase):
         self.assertEqual(touching.tolist(), [0, 1, 1, 0])  # three; six; six; three
 
 
-SPHERES = """
-[sweep]
-contacts = 100
-[sensor]
+RUBBER = """[sensor]
 kind = "pad"
 thickness = 4
 young = 0.5
 poisson = 0.48
 [contact]
 friction = { uniform = [0.2, 1.2] }
-[indenter]
+"""
+
+ONE_DRAG = """[load.irregular]
+press_steps = 1
+stroke = { log_uniform = [0.03, 1.0] }
+stroke_steps = 1
+"""
+
+SPHERES = """
+[sweep]
+contacts = 100
+""" + RUBBER + """[indenter]
 shape = "sphere"
 radius = { log_uniform = [5, 40] }
 position = [{ uniform = [-5, 5] }, { uniform = [-5, 5] }]
 [load]
 indentation = { uniform = [0.1, 0.6] }
-[load.irregular]
-press_steps = 1
-stroke = { log_uniform = [0.03, 1.0] }
-stroke_steps = 1
-direction = { uniform = [0, 360] }
+""" + ONE_DRAG + """direction = { uniform = [0, 360] }
 """
 
 
@@ -184,24 +188,13 @@ ONE_SPHERE = """
 [sweep]
 contacts = 20000
 seed = 5
-[sensor]
-kind = "pad"
-thickness = 4
-young = 0.5
-poisson = 0.48
-[contact]
-friction = { uniform = [0.2, 1.2] }
-[indenter]
+""" + RUBBER + """[indenter]
 shape = "sphere"
 radius = 15
 position = [1.0, -0.5]
 [load]
 indentation = { uniform = [0.2, 0.4] }
-[load.irregular]
-press_steps = 1
-stroke = { log_uniform = [0.03, 1.0] }
-stroke_steps = 1
-direction = 30
+""" + ONE_DRAG + """direction = 30
 """
 
 
