@@ -76,8 +76,8 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
      "--compress --recall "
      "--resume --force --checkpoint-seconds "},
     {"Network",
-     "--network --history --history-change --friction --friction-spread --scaling --features --largest-stress "
-     "--activation --bound --bound-set "
+     "--network --history --history-change --friction --friction-spread --friction-drift --scaling --features "
+     "--largest-stress --activation --bound --bound-set "
      "--level "},
     {"Learning",
      "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --warm-up --momentum "

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <ranges>
 
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
@@ -33,7 +34,7 @@ struct MonitorRequest : SensorRequest {
   std::optional<float> widest;
   std::string unlike = "alarm", signal;  ///< signal: empty for slip, or without a network for moved
   MonitorOptions options;
-  bool view = false;
+  bool view = false, takes_friction = false;  ///< takes_friction: of a network
 };
 
 /// A number as JSON has it: what is not finite is null.
@@ -160,15 +161,15 @@ class Doubts {
   bool unlike_ = false, no_answer_ = false, beyond_ = false;
 };
 
-/// Lines "rest", or empty ones, on standard input.
-class RestLines {
+/// Lines "rest", or empty ones, and "slides" on standard input.
+class AskedLines {
  public:
   /// frames: they come by standard input, too.
-  RestLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
-  /// Returns whether such a line came since the last call. Waits for nothing.
-  bool operator()() {
+  AskedLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
+  /// Returns what came since the last call. Waits for nothing.
+  MonitorCalls operator()() {
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    bool found = false;
+    MonitorCalls asked;
     // Reading a terminal stops a program in its background.
     while (open_ && !(isatty(STDIN_FILENO) && tcgetpgrp(STDIN_FILENO) != getpgrp()) && ::poll(&input, 1, 0) > 0) {
       char bytes[256];
@@ -179,21 +180,38 @@ class RestLines {
         if (byte != '\n' && byte != '\r') {
           if (line_.size() < sizeof bytes) line_ += byte;
         } else if (byte == '\n') {
-          if (line_.empty() || line_ == "rest")
-            found = true;
-          else if (!quiet_)
-            print_warning("a line of standard input was left out: a new rest is asked for by \"rest\"");
+          take(asked);
           line_.clear();
         }
       }
     }
-    return found;
+    return asked;
   }
 
  private:
+  void take(MonitorCalls& asked) const {
+    if (line_.empty() || line_ == "rest")
+      asked.rest = true;
+    else if (line_ == "slides")
+      asked.slides = true;
+    else if (!quiet_)
+      print_warning("a line of standard input was left out: it is neither \"rest\" nor \"slides\"");
+  }
+
   bool open_, quiet_;
   std::string line_;
 };
+
+/// What is said of a reading of mu.
+std::string friction_text(std::span<const float> mu) {
+  if (std::ranges::all_of(mu, [](float one) { return std::isnan(one); }))
+    return "note: friction was not read: no frame has an answer";
+  return fmt::format("note: it slides: friction {}", fmt::join(mu | std::views::transform([](float one) {
+                                                                 return std::isnan(one) ? std::string("not read")
+                                                                                        : fmt::format("{:.2g}", one);
+                                                               }),
+                                                               ", "));
+}
 
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
 MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
@@ -227,8 +245,11 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, Liv
     if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
   };
   events.stop = [&] { return output.failed() || until(); };
-  if (request.options.rest)
-    events.rest = [lines = RestLines(request.source.starts_with("csv:-"), request.quiet)]() mutable { return lines(); };
+  if (request.options.rest || request.takes_friction)
+    events.calls = [lines = AskedLines(request.source.starts_with("csv:-"), request.quiet)]() mutable {
+      return lines();
+    };
+  if (!request.quiet) events.friction = [](std::span<const float> mu) { say(friction_text(mu)); };
   return events;
 }
 
@@ -293,6 +314,8 @@ int run_monitor(MonitorRequest request) {
   if (moved) request.options.signal = AlarmSignal::moved;
   const bool needs_rest = std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.rest; });
   request.options.rest |= moved || needs_rest;
+  request.takes_friction =
+      std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.friction; });
   check_request(request, networks);
   const nn::Target target = networks.empty() ? nn::Target::slip_index : networks.front().target;
   std::optional<Device> device;
@@ -414,7 +437,8 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"slip", "moved"}));
   CLI::Option* friction = command
                               ->add_option("--friction", request->options.friction,
-                                           "mu, as far as it is known, for networks of train --friction")
+                                           "mu, as far as it is known, for networks of train --friction; while an "
+                                           "object slides, a line \"slides\" on standard input has it read")
                               ->type_name("MU")
                               ->check(CLI::Range(1e-3, 1e3));
   command->add_option("--friction-spread", request->options.friction_spread, "relative standard deviation of that mu")
@@ -422,6 +446,13 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0, 1e3))
       ->capture_default_str()
       ->needs(friction);
+  command
+      ->add_option("--friction-drift", request->options.friction_drift,
+                   "relative standard deviation by which mu, as read from a slide, drifts in the next minute; it is "
+                   "trusted less with the root of time")
+      ->type_name("FLOAT")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
   command
       ->add_option("--hold", request->options.hold,
                    "with --alarm: it begins at the last of so many frames in a row that ask for it")
