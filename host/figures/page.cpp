@@ -122,8 +122,8 @@ Json range_json(const std::optional<std::pair<double, double>>& range) {
 }
 
 const char* name(Mark mark) {
-  constexpr const char* names[] = {"line",    "thin",     "dashed",    "dots", "circles", "triangles",
-                                   "crosses", "diamonds", "line_dots", "bars", "band",    "whiskers"};
+  constexpr const char* names[] = {"line",    "thin",     "dashed",    "long_dashes",    "dots", "circles", "triangles",
+                                   "crosses", "diamonds", "line_dots", "dash_triangles", "bars", "band",    "whiskers"};
   return names[static_cast<std::size_t>(mark)];
 }
 const char* name(Ink ink) {

@@ -4,7 +4,7 @@
 // the alarm judges over ten seconds, and what is to be known of the stream.
 
 const setup = JSON.parse(document.getElementById("setup").textContent);
-const word = { slip_index: "S" }[setup.signal] ?? setup.signal, seconds = 10, padColours = ["blue", "orange", "green", "purple"], dashes = ["", "7 4", "2 3", "9 3 2 3"];
+const word = { slip_index: "S" }[setup.signal] ?? setup.signal, seconds = 10, padColours = ["blue", "orange", "green", "purple"], padDashes = ["", "11 3", "2 3", "9 3 2 3"];
 const history = [];  // lines of the last ten seconds, of each what the chart needs
 let line = null, most = 1e-6, mostShear = 1e-6, stopped = "", drift = [], due = false, received = 0, painted = 0;
 
@@ -74,9 +74,9 @@ function drawHistory() {
   if (setup.alarm !== null) node.append(svg("line", { x1: axes.left, x2: axes.right, y1: axes.y(setup.alarm), y2: axes.y(setup.alarm), stroke: ink("red"), "stroke-width": 1.3, "stroke-dasharray": "5 4" }));
   const draw = (of, colour, dash) => node.append(svg("path", { d: path(of), fill: "none", stroke: ink(colour), "stroke-width": 2, "stroke-dasharray": dash, "stroke-linejoin": "round" }));
   if (truth) draw(h => h.truth, "grey", "1 3");
-  for (let k = 0; k < setup.pads.length; ++k) draw(h => h.values[k], padColours[k % 4], dashes[k % 4]);
+  for (let k = 0; k < setup.pads.length; ++k) draw(h => h.values[k], padColours[k % 4], padDashes[k % 4]);
   const key = (text, colour, dash) => html("span", {}, svg("svg", { width: 26, height: 10 }, svg("path", { d: "M0,5H26", fill: "none", stroke: ink(colour), "stroke-width": 2, "stroke-dasharray": dash })), text);
-  byId("key").replaceChildren(...setup.pads.map((pad, k) => key(`${word}${setup.pads.length > 1 ? " of " + pad.name : ""}`, padColours[k % 4], dashes[k % 4])), ...(truth ? [key("true S", "grey", "1 3")] : []), ...(setup.alarm === null ? [] : [key("alarm", "red", "5 4")]));
+  byId("key").replaceChildren(...setup.pads.map((pad, k) => key(`${word}${setup.pads.length > 1 ? " of " + pad.name : ""}`, padColours[k % 4], padDashes[k % 4])), ...(truth ? [key("true S", "grey", "1 3")] : []), ...(setup.alarm === null ? [] : [key("alarm", "red", "5 4")]));
   box.replaceChildren(node);
 }
 
