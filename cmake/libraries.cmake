@@ -24,7 +24,7 @@ endfunction()
 # tactel_library(COMPONENT sources...): the library tactel_COMPONENT, as target tactel::COMPONENT, with the headers of the folder
 # include/ beside it.
 function(tactel_library component)
-  add_library(tactel_${component} SHARED ${ARGN})
+  add_library(tactel_${component} ${ARGN})  # BUILD_SHARED_LIBS: shared or an archive
   add_library(tactel::${component} ALIAS tactel_${component})
   target_link_libraries(tactel_${component} PRIVATE $<BUILD_INTERFACE:tactel_portable_options>)
   target_compile_features(tactel_${component} PUBLIC cxx_std_20)
@@ -56,6 +56,7 @@ function(tactel_install_libraries)
     install(DIRECTORY ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
     install(TARGETS tactel_${component} EXPORT tactel-${component}
             LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries NAMELINK_COMPONENT development
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
             INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
     install(EXPORT tactel-${component} FILE tactel-${component}.cmake NAMESPACE tactel:: DESTINATION ${package} COMPONENT development)
     set(pc tactel.pc)

@@ -58,9 +58,9 @@ class Check:
         return tree
 
     def answers(self, *programs):
-        """All programs must say the same of every network."""
+        """All programs must say the same of every network; one may be a list, of what runs it and it."""
         for name in NETWORKS:
-            said = {self.run(program, self.network(name), self.work / "none.onnx") for program in programs}
+            said = {self.run(*(program if isinstance(program, list) else [program]), self.network(name), self.work / "none.onnx") for program in programs}
             self.expect(len(said) == 1 and re.fullmatch(r"\d+ inputs, S = 0\.\d+, ok\n", said.pop()),
                         f"{name}: answers differ, or are none")
 
@@ -137,6 +137,34 @@ class Check:
         tree = self.compile(consumer, f"-DTACTEL_TREE={self.source}", "-DTACTEL_SIMULATE=OFF",
                             flags="-O1 -D_GLIBCXX_ASSERTIONS -Wconversion")
         self.answers(tree / "frame_cpp")
+
+    def archive(self, *toolchain):
+        """tactel::infer as an archive: the answers of the shared library."""
+        self.run("cmake", "-G", "Ninja", "-S", self.source, "-B", self.work / "own", "-DTACTEL_SIMULATE=OFF", "-DBUILD_SHARED_LIBS=OFF",
+                 f"-DCMAKE_INSTALL_PREFIX={self.work / 'prefix'}", *toolchain)
+        self.run("cmake", "--build", self.work / "own", "--parallel", "2")
+        self.run("cmake", "--install", self.work / "own")
+        self.expect(not list((self.work / "prefix").rglob("*.so*")), "a shared library is installed")
+        found = next((self.work / "prefix").rglob("libtactel_infer.a")).parent / "cmake"
+        self.run("cmake", "-G", "Ninja", "-S", self.source / "tests/api/consumers/infer", "-B", self.work / "tree", f"-Dtactel_DIR={found / 'tactel'}", *toolchain)
+        self.run("cmake", "--build", self.work / "tree")
+        return self.work / "tree"
+
+    def static(self):
+        shared = self.compile(self.source / "tests/api/consumers/infer").rename(self.work / "shared")
+        own = self.archive()
+        self.answers(own / "frame_cpp", own / "frame_c", shared / "frame_c")
+        self.expect("tactel" not in self.run("readelf", "-d", own / "frame_cpp"), "the program still loads a library of tactel")
+
+    def aarch64(self):
+        """The same for another processor, whose programs QEMU runs: same answers, digit by digit."""
+        for program in ("aarch64-linux-gnu-g++", "qemu-aarch64-static"):
+            if not shutil.which(program):
+                print(f"no {program}: apt-get install g++-aarch64-linux-gnu qemu-user-static")
+                sys.exit(77)
+        here = self.compile(self.source / "tests/api/consumers/infer").rename(self.work / "here")
+        there = self.archive(f"-DCMAKE_TOOLCHAIN_FILE={self.source / 'cmake/aarch64.cmake'}")
+        self.answers(here / "frame_cpp", *(["qemu-aarch64-static", there / name] for name in ("frame_cpp", "frame_c")))
 
     def simulate(self):
         tree = self.compile(self.source / "tests/api/consumers/simulate")
