@@ -22,9 +22,9 @@ namespace {
 
 constexpr int least_grid = 4, most_grid = 24;
 constexpr std::size_t widest_vector = 64;  ///< of AVX-512
-constexpr double usual_reach = 0.5;      ///< rubber bulges beside an object by less than this part of its depth
-constexpr double longest_motion = 0.05;  ///< H, of a solve along the pad
-constexpr double least_cover = 1e-3;     ///< of a cell that counts as covered
+constexpr double usual_reach = 0.5;        ///< rubber bulges beside an object by less than this part of its depth
+constexpr double longest_motion = 0.05;    ///< H, of a solve along the pad
+constexpr double least_cover = 1e-3;       ///< of a cell that counts as covered
 
 static_assert(int(step_open) == int(STEP_OPEN) && int(step_slides) == int(STEP_SLIDES));
 static_assert(int(step_unmet) == int(STEP_UNMET) && int(step_edge) == int(STEP_EDGE));
@@ -378,6 +378,18 @@ std::vector<double> PadStepper<Real>::tractions() const {
   for (std::size_t c = 0; c < count(); ++c)
     for (std::size_t k = 0; k < 3 * cells; ++k)
       made[c * 3 * cells + k] = all[s.at(c, k, s.rows())] * s.pad.young / (k < cells ? s.root_zz : s.root_tt);
+  return made;
+}
+
+template <class Real>
+std::vector<double> PadStepper<Real>::poses() const {
+  const State& s = *state_;
+  const auto all = s.state.map(MapFor::reading);
+  std::vector<double> made(4 * count());
+  for (std::size_t c = 0; c < count(); ++c)
+    for (std::size_t k = 0; k < 4; ++k)
+      made[4 * c + k] = static_cast<double>(all[s.at(c, STEP_FIELDS * s.cell_count() + STEP_POSE + k, s.rows())]) *
+                        (k < 3 ? s.pad.thickness : 1);
   return made;
 }
 
