@@ -123,7 +123,7 @@ py::array_t<double> state_of(const Stepper& self, const std::vector<std::size_t>
   return array;
 }
 
-void bind_answer(py::module_& m) {
+void bind_step_answer(py::module_& m) {
   py::class_<Answer>(m, "StepAnswer", "What a step of a PadStepper says. Arrays are views without copies.")
       .def_property_readonly(
           "frames", &frames_of_answer,
@@ -145,7 +145,7 @@ void bind_answer(py::module_& m) {
 }  // namespace
 
 void bind_steps(py::module_& m) {
-  bind_answer(m);
+  bind_step_answer(m);
   py::class_<Stepper> stepper(m, "PadStepper",
                               "Contacts with one pad inside a simulator: each call takes all of them a step on.");
   stepper

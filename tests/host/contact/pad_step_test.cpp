@@ -139,7 +139,8 @@ TEST(PadStep, HasTheSameBitsInAnyBatchOrderAndLanes) {
   const Bowls all(600, 3);  // which has two vectors a work-item where the processor is wide
   std::vector<std::size_t> every(all.count);
   std::iota(every.begin(), every.end(), 0);
-  PadStepper<float> steps = all.steps(executor());
+  Executor wide(Device("basic").with_halves(false));
+  PadStepper<float> steps = all.steps(wide);
   const std::vector<double> P = pressed(steps, all);
   steps.reset();
   const auto expected = way(steps, all, every, P);
