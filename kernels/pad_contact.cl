@@ -33,225 +33,13 @@
    every lane has a table of its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share.
    The bits are those of a shared table. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
-#include "patch/numbers.h"
-#include "shared/elementary.h"
-#include "shared/pad_layout.h"
+#include "pad/increment.h"
+#include "pad/residual.h"
+#include "pad/slip_margin.h"
+#include "pad/sweep.h"
 
-#define COUNT (CELLS * CELLS)
-#define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
-#define RING (CELLS + 2)
-#define EACH_VECTOR(v) EACH(v, VECTORS)
-#define RELAXATION ((real)0.85)
-#define DAMPED_AFTER 300
-#define FINER ((real)0.25) /* tolerance of sweeps that go on, over that of those before */
-#define LEAST_TOLERANCE (REAL_IS_DOUBLE ? (real)(16 * 0x1p-52) : (real)(16 * 0x1p-23))
-#define MARGIN_ROUNDS 4
 #define MOST_FORCE_TRIALS 60
-#define FIRST_DEPTH ((real)0.05) /* tried first for a force */
-#define NO_BOUND ((real)1e30)
-#define TURN(sum) sum.v[0] = -sum.v[0]
-#define TURN_X(s) TURN(s.zx), TURN(s.xn), TURN(s.xy), TURN(s.yx)
-#define TURN_Y(s) TURN(s.zy), TURN(s.yn), TURN(s.xy), TURN(s.yx)
-#define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
 #define MOST_STEPS 16 /* load steps that the base stress is summed for at once */
-
-/* One number of each scene. */
-typedef struct {
-  vreal v[VECTORS];
-} Lanes;
-typedef struct {
-  vint v[VECTORS];
-} Masks;
-
-typedef struct {
-  Lanes n[COUNT], tx[COUNT], ty[COUNT]; /* tractions, scaled */
-  Lanes gx[COUNT], gy[COUNT];           /* where a cell would be if it stuck, over sqrt(tt0) */
-  Lanes open[COUNT];                    /* h - d, over sqrt(zz0) */
-  Masks window[COUNT];
-  Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
-  Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
-  int list[COUNT], at[COUNT], listed; /* cells in the window of lanes that sweep: index, place in a shared table */
-  int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
-} Cells;
-
-/* Numbers that belong to a table. */
-#if OWN_TABLES
-typedef vreal side;
-#else
-typedef real side;
-#endif
-
-typedef struct {
-  global const side *table; /* the entry of a source at offset 0 */
-  side root_zz, root_tt, hx, hy;
-} Influence;
-
-/* What changes from increment to increment, and the lane's constants. */
-typedef struct {
-  Lanes d, x, y, twist;                             /* where the indenter is */
-  Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
-  Lanes mu;                                         /* of scaled tractions */
-  Lanes lowest, x_middle, y_middle;
-  Lanes slid;                 /* sum over the increments without a sticking cell of the rms slide of those that touch */
-  Lanes sweeps, trial_sweeps; /* of this increment, and since the indenter last moved */
-  Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
-  Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
-  Masks valid, running, active, failed, lost, by_force, searching;
-  side half_size;
-} State;
-
-static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
-static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
-
-/* The nine sums of a displacement, each a chain of its own: additions do not wait for each other. */
-typedef struct {
-  Lanes zn, zx, zy, xx, xy, xn, yx, yy, yn;
-} Sums;
-
-/* Adds the products of cell j and its entry of the table. */
-INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
-  EACH_VECTOR(v) {
-    const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
-    s->zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, s->zn.v[v]);
-    s->zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, s->zx.v[v]);
-    s->zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, s->zy.v[v]);
-    s->xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, s->xx.v[v]);
-    s->xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, s->xy.v[v]);
-    s->xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, s->xn.v[v]);
-    s->yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, s->yx.v[v]);
-    s->yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, s->yy.v[v]);
-    s->yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, s->yn.v[v]);
-  }
-}
-
-/* Displacement at a cell by the cells listed. ix, iy from -1 to CELLS. A table of one quadrant lacks the signs of xy,
-   xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. There a column is walked
-   from its first cell in a window to its last: those between without tractions add 0. */
-INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
-  Sums s;
-  EACH_VECTOR(v) {
-    s.zn.v[v] = s.zx.v[v] = s.zy.v[v] = s.xx.v[v] = s.xy.v[v] = s.xn.v[v] = s.yx.v[v] = s.yy.v[v] = s.yn.v[v] = 0;
-  }
-#if OWN_TABLES
-  ROLLED for (int jx = 0; jx < CELLS; ++jx) {
-    const int end = c->to[jx], here = jx * CELLS + iy;
-    global const side *column = influence->table + PAD_OWN_INFLUENCE * abs(ix - jx) * (CELLS + 1), *t;
-    if (jx == ix + 1) TURN_X(s);
-    int j = c->from[jx];
-    t = column + PAD_OWN_INFLUENCE * (here - j);
-    ROLLED for (; j < end && j <= here; ++j, t -= PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
-    if (j == end) continue;
-    TURN_Y(s);
-    t = column + PAD_OWN_INFLUENCE * (j - here);
-    ROLLED for (; j < end; ++j, t += PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
-    TURN_Y(s);
-  }
-  if (ix < CELLS - 1) TURN_X(s);
-#else
-  global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
-  ROLLED for (int k = 0; k < c->listed; ++k) add_products(row + c->at[k], c, c->list[k], &s);
-#endif
-  EACH_VECTOR(v) {
-    x->v[v] = s.xx.v[v] + s.xy.v[v] - s.xn.v[v];
-    y->v[v] = s.yx.v[v] + s.yy.v[v] - s.yn.v[v];
-    z->v[v] = -(s.zn.v[v] + s.zx.v[v] + s.zy.v[v]);
-  }
-}
-
-/* Cells in the window of any of these lanes, in the order of their index. */
-static void list_cells(const Masks *lanes, Cells *c) {
-  int listed = 0;
-  for (int x = 0; x < CELLS; ++x) {
-    int from = 0, to = 0;
-    for (int i = x * CELLS; i < (x + 1) * CELLS; ++i) {
-      vint any = c->window[i].v[0] & lanes->v[0];
-      for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v] & lanes->v[v];
-      const int found = ANY(any);
-      c->list[listed] = i;
-      c->at[listed] = PAD_INFLUENCE * (x * SPAN + i - x * CELLS);
-      listed += found;
-      from = found && to == 0 ? i : from;
-      to = found ? i + 1 : to;
-    }
-    c->from[x] = from;
-    c->to[x] = to;
-  }
-  c->listed = listed;
-}
-
-static inline int any_of(const Masks *m) {
-  vint any = m->v[0];
-  for (int v = 1; v < VECTORS; ++v) any |= m->v[v];
-  return ANY(any);
-}
-
-/* One sweep over the window. A lane whose tractions changed by no more than the tolerance has settled. */
-OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State *s) {
-  Lanes change, largest, w;
-  EACH_VECTOR(v) {
-    change.v[v] = largest.v[v] = 0;
-    w.v[v] = PICK(s->trial_sweeps.v[v] >= ALL_LANES(DAMPED_AFTER), ALL_LANES(RELAXATION / 2), ALL_LANES(RELAXATION));
-    const vreal more = PICK(s->active.v[v], ALL_LANES(1), ALL_LANES(0));
-    s->sweeps.v[v] += more;
-    s->trial_sweeps.v[v] += more;
-  }
-  ROLLED for (int k = 0; k < c->listed; ++k) {
-    const int i = c->list[k];
-    Lanes ux, uy, uz;
-    displacement(influence, c, i / CELLS, i % CELLS, &ux, &uy, &uz);
-    EACH_VECTOR(v) {
-      const vint mine = s->active.v[v] & c->window[i].v[v];
-      const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
-      const vreal n = LARGER(fma(w.v[v], uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
-      vreal x = fma(w.v[v], c->gx[i].v[v] - ux.v[v], x0), y = fma(w.v[v], c->gy[i].v[v] - uy.v[v], y0);
-      const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
-      const vint slips = q > cone * cone;
-      const vreal shorter = cone / sqrt(q);
-      x = PICK(slips, x * shorter, x);
-      y = PICK(slips, y * shorter, y);
-      c->n[i].v[v] = PICK(mine, n, n0);
-      c->tx[i].v[v] = PICK(mine, x, x0);
-      c->ty[i].v[v] = PICK(mine, y, y0);
-      const vreal dt = LARGER(fabs(x - x0), fabs(y - y0)), most = LARGER(fabs(n - n0), dt);
-      change.v[v] = PICK(mine, LARGER(most, change.v[v]), change.v[v]);
-      largest.v[v] = PICK(mine, LARGER(n, largest.v[v]), largest.v[v]);
-    }
-  }
-  Masks left;
-  EACH_VECTOR(v) {
-    const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
-    const vreal usual = ALL_LANES((real)most_sweeps),
-                most = PICK(s->lost.v[v], SMALLER(usual, ALL_LANES(DAMPED_AFTER)), usual);
-    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= most);
-    s->failed.v[v] |= out;
-    left.v[v] = s->active.v[v] & (settled | out);
-    s->active.v[v] &= NOT(settled | out);
-  }
-  if (any_of(&left)) list_cells(&s->active, c);
-}
-
-/* Fresh sums at all cells, by those of all lanes. Cells of lanes that solve which are penetrated outside their window
-   join it; these lanes go on. */
-OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
-  Masks all;
-  EACH_VECTOR(v) { all.v[v] = ~(vint)0; }
-  list_cells(&all, c);
-  ROLLED for (int i = 0; i < COUNT; ++i)
-      displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
-    const vint joins = solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) &
-                       (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]);
-    c->window[i].v[v] |= joins;
-    s->active.v[v] |= joins;
-  }
-}
-
-static vreal pressing(const Influence *influence, const Cells *c, int v) {
-  vreal sum = 0;
-  for (int k = 0; k < c->listed; ++k) sum += c->n[c->list[k]].v[v];
-  return sum * (influence->hx * influence->hy / influence->root_zz);
-}
 
 /* Judges the force of lanes that search their depth, and moves those that miss it: they solve again. */
 OUTLINE void next_depth(const Influence *influence, global const vreal *heights, real tolerance, Cells *c, State *s) {
@@ -282,128 +70,7 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
   }
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    c->open[i].v[v] = (heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1] - s->d.v[v]) / influence->root_zz;
-  }
-}
-
-/* Residual of the laws at the cells, relative as in fem/pad/pad_contact.h, from the tractions and the fresh sums alone.
- */
-typedef struct {
-  Lanes penetration, complementarity, cone, drift, angle;
-} Residual;
-
-OUTLINE void residual_of_cells(const Influence *influence, const Cells *c, const State *s, Residual *r) {
-  Lanes per_d, per_moved, most;
-  EACH_VECTOR(v) {
-    per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
-    const vreal x = s->change_x.v[v], y = s->change_y.v[v];
-    per_moved.v[v] = 1 / LARGER((real)0.1 * s->d.v[v], sqrt(fma(x, x, y * y)) + fabs(s->change_twist.v[v]));
-    per_moved.v[v] = PICK(s->d.v[v] > 0, per_moved.v[v], ALL_LANES(0));
-    r->penetration.v[v] = r->complementarity.v[v] = r->cone.v[v] = r->drift.v[v] = r->angle.v[v] = most.v[v] = 0;
-  }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) { most.v[v] = LARGER(c->n[i].v[v], most.v[v]); }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v],
-                gap = (c->open[i].v[v] - c->uz[i].v[v]) * influence->root_zz * per_d.v[v];
-    const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
-    const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
-    const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
-    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),
-               slips = pressed & NOT(sticks) & (length > 0);
-    const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
-    r->penetration.v[v] = LARGER(-gap, r->penetration.v[v]);
-    r->complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), r->complementarity.v[v]), r->complementarity.v[v]);
-    r->cone.v[v] = PICK(pressed, LARGER((length - edge) / most.v[v], r->cone.v[v]), r->cone.v[v]);
-    r->drift.v[v] = PICK(sticks, LARGER(slip, r->drift.v[v]), r->drift.v[v]);
-    r->angle.v[v] = PICK(slips, LARGER(slip - along, r->angle.v[v]), r->angle.v[v]);
-  }
-}
-
-/* Lanes that have settled, but whose residual is not accepted yet, go on with a finer tolerance. */
-OUTLINE void refine(const Influence *influence, const Masks *solving, real accept, const Cells *c, State *s) {
-  Residual r;
-  residual_of_cells(influence, c, s, &r);
-  EACH_VECTOR(v) {
-    const vreal gap = LARGER(r.penetration.v[v], r.complementarity.v[v]), slip = LARGER(r.drift.v[v], r.angle.v[v]);
-    const vint goes_on = solving->v[v] & NOT(s->failed.v[v] | s->active.v[v] | s->searching.v[v]) &
-                         (LARGER(LARGER(gap, slip), r.cone.v[v]) > accept) &
-                         (s->tolerance.v[v] > ALL_LANES(LEAST_TOLERANCE));
-    s->tolerance.v[v] = PICK(goes_on, FINER * s->tolerance.v[v], s->tolerance.v[v]);
-    s->trial_sweeps.v[v] = PICK(goes_on, ALL_LANES(0), s->trial_sweeps.v[v]);
-    s->active.v[v] |= goes_on;
-    s->searching.v[v] |= goes_on & s->by_force.v[v];
-  }
-}
-
-/* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do
-   not solve. */
-OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights,
-                             int increments, int k, Cells *c, State *s, Masks *solving) {
-  Lanes ratio, dx, dy, dtwist, touches;
-  EACH_VECTOR(v) {
-    global const vreal *target = path + (v * increments + k) * PAD_PATH_ROWS;
-    const vint running = s->running.v[v];
-    const vint by_force = running & s->by_force.v[v];
-    const vreal normal = PICK(running, target[PAD_NORMAL], s->d.v[v]), P = pressing(influence, c, v);
-    const vreal first = PICK(P > 0, s->d.v[v] * depth_factor(normal / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]),
-                             ALL_LANES(FIRST_DEPTH));
-    const vreal d = PICK(by_force, PICK(normal > 0, first, ALL_LANES(0)), normal);
-    s->searching.v[v] = by_force & (normal > 0);
-    s->target.v[v] = normal;
-    s->low.v[v] = s->last_d.v[v] = s->last_P.v[v] = s->trials.v[v] = s->trial_sweeps.v[v] = 0;
-    s->high.v[v] = NO_BOUND;
-    dx.v[v] = PICK(running, target[PAD_X], s->x.v[v]) - s->x.v[v];
-    dy.v[v] = PICK(running, target[PAD_Y], s->y.v[v]) - s->y.v[v];
-    dtwist.v[v] = PICK(running, target[PAD_TWIST], s->twist.v[v]) - s->twist.v[v];
-    const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
-    const vint moves =
-        s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
-    const vreal along =
-        fma(change_d, s->change_d.v[v],
-            fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));
-    const vreal last = fma(s->change_d.v[v], s->change_d.v[v],
-                           fma(s->change_x.v[v], s->change_x.v[v],
-                               fma(s->change_y.v[v], s->change_y.v[v], s->change_twist.v[v] * s->change_twist.v[v])));
-    ratio.v[v] = PICK(last > 0, SMALLER(LARGER(along / last, ALL_LANES(0)), ALL_LANES(2)), ALL_LANES(0));
-    solving->v[v] = s->active.v[v] = moves;
-    s->failed.v[v] = 0;
-    s->sweeps.v[v] = 0;
-    s->tolerance.v[v] = s->first_tolerance.v[v];
-    s->d.v[v] = d;
-    s->x.v[v] += dx.v[v];
-    s->y.v[v] += dy.v[v];
-    s->twist.v[v] += dtwist.v[v];
-    s->change_d.v[v] = PICK(running, change_d, s->change_d.v[v]);
-    s->change_x.v[v] = PICK(running, dx.v[v], s->change_x.v[v]);
-    s->change_y.v[v] = PICK(running, dy.v[v], s->change_y.v[v]);
-    s->change_twist.v[v] = PICK(running, change_twist, s->change_twist.v[v]);
-    touches.v[v] = PICK(d > s->lowest.v[v], ALL_LANES(1), ALL_LANES(0));
-  }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vint moves = solving->v[v];
-    const side per_tt = 1 / influence->root_tt;
-    const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v], r = ratio.v[v];
-    const vreal n = touches.v[v] * LARGER(fma(r, n0 - c->n_last[i].v[v], n0), ALL_LANES(0));
-    vreal x = fma(r, x0 - c->tx_last[i].v[v], x0), y = fma(r, y0 - c->ty_last[i].v[v], y0);
-    const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
-    const vint outside = q > cone * cone;
-    const vreal shorter = cone / sqrt(q);
-    x = PICK(outside, x * shorter, x);
-    y = PICK(outside, y * shorter, y);
-    c->n_last[i].v[v] = PICK(moves, n0, c->n_last[i].v[v]);
-    c->tx_last[i].v[v] = PICK(moves, x0, c->tx_last[i].v[v]);
-    c->ty_last[i].v[v] = PICK(moves, y0, c->ty_last[i].v[v]);
-    c->n[i].v[v] = PICK(moves, n, n0);
-    c->tx[i].v[v] = PICK(moves, x, x0);
-    c->ty[i].v[v] = PICK(moves, y, y0);
-    const vreal h = heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1];
-    c->open[i].v[v] = (h - s->d.v[v]) / influence->root_zz;
-    c->gx[i].v[v] =
-        fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
-    c->gy[i].v[v] =
-        fma(dy.v[v] + dtwist.v[v] * (s->x_middle.v[v] + x_of(influence, i)), ALL_LANES(per_tt), c->gy[i].v[v]);
-    const vint pressed = (c->n[i].v[v] > 0) | (moves & (touches.v[v] > 0) & (c->open[i].v[v] < c->uz[i].v[v]));
-    c->window[i].v[v] = pressed;
+    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
   }
 }
 
@@ -422,74 +89,6 @@ static void add_slide(const Influence *influence, const Cells *c, State *s) {
     const vreal slide = sqrt(sum / LARGER(touching, ALL_LANES(1))) * influence->root_tt;
     s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), slide);
   }
-}
-
-/* Ends an increment: where a cell sticks from next. */
-static void remember(Cells *c, const State *s) {
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vreal x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * c->n[i].v[v];
-    const vint sticks = (c->n[i].v[v] > 0) & (fma(x, x, y * y) < cone * cone);
-    c->gx[i].v[v] = PICK(sticks, c->gx[i].v[v], c->ux[i].v[v]);
-    c->gy[i].v[v] = PICK(sticks, c->gy[i].v[v], c->uy[i].v[v]);
-  }
-}
-
-/* S = 1 / lambda of fem/pad/slip_margin.h for vector v, with the tractions as they are scaled: wrench and grip in the
-   same unit. */
-OUTLINE vreal slip_margin(const Influence *influence, const Cells *c, const State *s, int v) {
-  vreal grip = 0, centre_x = 0, centre_y = 0, Wx = 0, Wy = 0, M = 0, r2 = 0;
-  for (int k = 0; k < c->listed; ++k) {
-    const int i = c->list[k];
-    const vreal g = s->mu.v[v] * c->n[i].v[v];
-    const side x = x_of(influence, i), y = y_of(influence, i);
-    grip += g;
-    centre_x = fma(g, ALL_LANES(x), centre_x);
-    centre_y = fma(g, ALL_LANES(y), centre_y);
-    r2 = fma(g, ALL_LANES(x * x + y * y), r2);
-    Wx += c->tx[i].v[v];
-    Wy += c->ty[i].v[v];
-    M = fma(ALL_LANES(x), c->ty[i].v[v], fma(ALL_LANES(-y), c->tx[i].v[v], M));
-  }
-  const vreal per_grip = 1 / LARGER(grip, ALL_LANES((real)1e-30));
-  centre_x *= per_grip;
-  centre_y *= per_grip;
-  const vreal gyration2 = r2 * per_grip - fma(centre_x, centre_x, centre_y * centre_y);
-  const vreal length = sqrt(LARGER(gyration2, ALL_LANES((real)1e-6 * influence->hx * influence->hy))),
-              per_length = 1 / length;
-  Wx *= per_grip;
-  Wy *= per_grip;
-  M = (M * per_grip - (centre_x * Wy - centre_y * Wx)) * per_length;
-  const vreal W2 = fma(Wx, Wx, fma(Wy, Wy, M * M));
-  const vint bears = (grip > 0) & (W2 > (real)1e-12);
-  const vreal per_W2 = 1 / PICK(bears, W2, ALL_LANES(1));
-  vreal vx = Wx * per_W2, vy = Wy * per_W2, w = M * per_W2, least = (real)1e30;
-  for (int round = 0; round <= MARGIN_ROUNDS; ++round) {
-    vreal lambda = 0, K = 0, Kx = 0, Ky = 0, Kw = 0;
-    for (int k = 0; k < c->listed; ++k) {
-      const int i = c->list[k];
-      const vreal g = s->mu.v[v] * c->n[i].v[v] * per_grip;
-      const vreal x = (x_of(influence, i) - centre_x) * per_length, y = (y_of(influence, i) - centre_y) * per_length;
-      const vreal sx = fma(-w, y, vx), sy = fma(w, x, vy), slip = sqrt(fma(sx, sx, sy * sy));
-      const vreal weight = g / LARGER(slip, ALL_LANES((real)1e-6));
-      lambda = fma(g, slip, lambda);
-      K += weight;
-      Kx = fma(weight, x, Kx);
-      Ky = fma(weight, y, Ky);
-      Kw = fma(weight, fma(x, x, y * y), Kw);
-    }
-    least = SMALLER(lambda, least);
-    /* K v - Ky w = Wx, K v + Kx w = Wy, eliminated: */
-    const vreal per_K = 1 / LARGER(K, ALL_LANES((real)1e-30));
-    const vreal inertia = LARGER(Kw - (Kx * Kx + Ky * Ky) * per_K, ALL_LANES((real)1e-6));
-    w = (M + (Ky * Wx - Kx * Wy) * per_K) / inertia;
-    vx = (Wx + Ky * w) * per_K;
-    vy = (Wy - Kx * w) * per_K;
-    const vreal power = fma(vx, Wx, fma(vy, Wy, w * M)), per_power = 1 / PICK(bears, power, ALL_LANES(1));
-    vx *= per_power;
-    vy *= per_power;
-    w *= per_power;
-  }
-  return PICK(bears, 1 / least, ALL_LANES(0));
 }
 
 typedef struct {
@@ -698,14 +297,20 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   }
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
+    Target target;
     Masks solving;
     EACH_VECTOR(v) {
       global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+      global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
       s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
-      slot.v[v] = PICK(s.running.v[v], path[(v * increments + k) * PAD_PATH_ROWS + PAD_SLOT], ALL_LANES(-1));
+      slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
+      target.normal.v[v] = to[PAD_NORMAL];
+      target.x.v[v] = to[PAD_X];
+      target.y.v[v] = to[PAD_Y];
+      target.twist.v[v] = to[PAD_TWIST];
     }
     if (!any_of(&s.running)) break;
-    start_increment(&influence, path, heights, increments, k, &c, &s, &solving);
+    start_increment(&influence, &target, heights, &c, &s, &solving);
     do {
       list_cells(&s.active, &c);
       while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);

@@ -75,6 +75,19 @@ Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
   return u;
 }
 
+/// With what the cell gives way on its own.
+Eigen::Vector3d PadContact::displacement_of_cell(int i) const {
+  Eigen::Vector3d u = displacement(i / cells_.n, i % cells_.n);
+  const double along = softness(i) * influence_.own_tangential, across = softness(i) * influence_.own_normal;
+  u += Eigen::Vector3d(along * t_(i, 0), along * t_(i, 1), -across * n_[i]);
+  return u;
+}
+
+void PadContact::set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness) {
+  height_ = std::move(height);
+  softness_ = std::move(softness);
+}
+
 /// How far the indenter has moved at a cell since `from`.
 Eigen::Vector2d PadContact::path(Eigen::Index i, const PadMotion& from) const {
   const PadMotion change = motion - from;
@@ -122,10 +135,12 @@ double PadContact::sweep(double w) {
   double change = 0, largest = 0;
   for (int i = 0; i < cells_.count(); ++i) {
     if (!active_[i]) continue;
-    const Eigen::Vector3d u = displacement(i / cells_.n, i % cells_.n);
-    const double n = std::max(0.0, n_[i] + per_n * (u[2] - (height_(i / cells_.n + 1, i % cells_.n + 1) - depth)));
+    const Eigen::Vector3d u = displacement_of_cell(i);
+    const double whole = 1 + softness(i);  // compliance of the cell over that of a covered one
+    const double n =
+        std::max(0.0, n_[i] + per_n / whole * (u[2] - (height_(i / cells_.n + 1, i % cells_.n + 1) - depth)));
     const Eigen::Vector2d goal = stick_.row(i).transpose() + path(i, motion_last_);
-    Eigen::RowVector2d t = t_.row(i) + per_t * (goal - u.head<2>()).transpose();
+    Eigen::RowVector2d t = t_.row(i) + per_t / whole * (goal - u.head<2>()).transpose();
     to_cone(t, mu_ * n);
     change = std::max({change, std::abs(n - n_[i]), weight * (t - t_.row(i)).cwiseAbs().maxCoeff()});
     largest = std::max(largest, n);
@@ -138,7 +153,7 @@ double PadContact::sweep(double w) {
 /// Fresh sums at all cells. Returns true where cells outside the window are penetrated, which then belong to it.
 bool PadContact::widen() {
   bool more = false;
-  for (int i = 0; i < cells_.count(); ++i) u_.row(i) = displacement(i / cells_.n, i % cells_.n);
+  for (int i = 0; i < cells_.count(); ++i) u_.row(i) = displacement_of_cell(i);
   for (int i = 0; i < cells_.count(); ++i) {
     const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
     if (active_[i] || !(gap < -tolerance_ * depth)) continue;

@@ -69,6 +69,12 @@ class PadContact {
   PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
              const PadOptions& options);
 
+  /// Other heights from now on, and the compliance that each cell has of its own, [cells], over that on itself; empty:
+  /// 0.
+  void set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness);
+  /// Where the axis of the indenter lies from the middle of the grid, about which it twists, mm.
+  void set_axis(double x, double y) { cells_.x_middle = -x, cells_.y_middle = -y; }
+
   double depth = 0;                      ///< mm, set by the caller
   PadMotion motion = PadMotion::Zero();  ///< since first touch, set by the caller
 
@@ -108,6 +114,8 @@ class PadContact {
 
  private:
   Eigen::Vector3d displacement(int ix, int iy) const;
+  Eigen::Vector3d displacement_of_cell(int i) const;
+  double softness(int i) const { return softness_.size() > 0 ? softness_[i] : 0; }
   Eigen::Vector2d path(Eigen::Index i, const PadMotion& from) const;
   Eigen::RowVector2d slip(Eigen::Index i) const;
   double sweep(double w);
@@ -118,6 +126,7 @@ class PadContact {
   const PadInfluence& influence_;
   PadCells cells_;
   Eigen::MatrixXd height_;
+  Eigen::VectorXd softness_;
   double mu_;
   PadOptions options_;
   double tolerance_;  ///< of this increment

@@ -30,6 +30,7 @@ void bind_solve(py::module_& module);
 void bind_sweeps(py::module_& module);
 void bind_networks(py::module_& module);
 void bind_sources(py::module_& module);
+void bind_steps(py::module_& module);
 
 /// The class Scene of Python: of a line where its sensor is a Sensor, of a pad where it is a Pad.
 struct AnyScene {

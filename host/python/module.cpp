@@ -77,4 +77,5 @@ PYBIND11_MODULE(_tactel, module) {
   bind_sweeps(module);
   bind_networks(module);
   bind_sources(module);
+  bind_steps(module);
 }

@@ -87,6 +87,8 @@ def members(which):
             yield f"@property\ndef {name}(self) -> {made}: {repr(value.__doc__) if value.__doc__ else '...'}"
         elif isinstance(value, which):
             yield f"{name}: {which.__name__}"
+        elif isinstance(value, int):
+            yield f"{name}: int"
         else:
             yield from definitions(name, value, not isinstance(value, staticmethod))
 

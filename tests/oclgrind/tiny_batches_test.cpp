@@ -8,15 +8,18 @@
 
 #include "fem/gap_reference.h"
 #include "fem/layer/patch_solver.h"
+#include "fem/pad/pad_step.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/pad_contact.h"
 #include "host/contact/pad_search.h"
+#include "host/contact/pad_step.h"
 #include "host/contact/patch_contact.h"
 #include "host/device/opencl.h"
 #include "host/networks/forward.h"
 #include "host/networks/train_batch.h"
 #include "host/networks/train_online.h"
 #include "host/sets/transducer_chain.h"
+#include "kernels/shared/pad_step_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
@@ -268,6 +271,36 @@ TEST_P(TinyBatches, PadContact) {
       EXPECT_NEAR(found.Q.norm(), expected.Q.norm(), 2e-2 * expected.P) << i;
     }
   }
+}
+
+/// By motion, then by wrench, on the smallest grid; a contact more than a vector has. Tolerance: as above.
+TEST_P(TinyBatches, PadStep) {
+  const fem::PadSensor pad{.tactels = {3, 1}};
+  const fem::PadIndenter ball{.shape = fem::Sphere{.radius = 5}};
+  const std::size_t count = static_cast<std::size_t>(lanes_fp32) + 1;
+  PadStepper<float> steps(executor, pad, count, std::array{0.4}, {.cells = 4, .cell = 0.6, .tolerance = 1e-2});
+  fem::SteppedContact twin(fem::PadLayer(pad.poisson), pad, steps.cells(), 0.4, {});
+  const fem::PadSurface surface = fem::pad_surface(steps.cells(), ball, {0, 0}, 0);
+  for (std::size_t c = 0; c < count; ++c) steps.set_surface(c, surface);
+  twin.set_surface(surface);
+  const auto of_all = [&](std::array<double, 4> one) {
+    std::vector<double> all;
+    for (std::size_t c = 0; c < count; ++c) all.insert(all.end(), one.begin(), one.end());
+    return all;
+  };
+  const auto expect_force = [&](const fem::PadWrench& expected) {
+    for (const std::size_t c : {std::size_t{0}, count - 1})
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(steps.results()[c * STEP_RESULT_ROWS + k], expected[static_cast<Eigen::Index>(k)],
+                    2e-2 * expected[0]);
+  };
+  steps.move(of_all({0.1, 0, 0, 0})), twin.move(0.1, {0, 0, 0});
+  steps.move(of_all({0.1, 0.02, 0.01, 0.01}));
+  const fem::PadWrench force = twin.move(0.1, {0.02, 0.01, 0.01}).force;
+  expect_force(force);
+  EXPECT_EQ(steps.frames().size(), 9 * count);
+  steps.press(of_all({1.1 * force[0], force[1], force[2], force[3]}));
+  expect_force({1.1 * force[0], force[1], force[2], force[3]});
 }
 
 template <class Real>

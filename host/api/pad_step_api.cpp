@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <tactel/pad_step.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "fem/angles.h"
+#include "fem/value_error.h"
+#include "host/api/api_errors.h"
+#include "host/api/scene_conversion.h"
+#include "host/contact/pad_step.h"
+#include "kernels/shared/pad_step_layout.h"
+
+namespace tactel {
+namespace {
+
+void check_numbers(const char* key, std::size_t size, std::size_t allowed) {
+  if (size != allowed) throw ValueError(key, fmt::format("{} numbers", size), fmt::format("{} numbers", allowed));
+}
+
+}  // namespace
+
+struct PadStepper::State {
+  /// Calls function with the stepper of the precision.
+  template <class Function>
+  auto with(const Function& function) {
+    if (auto* of = std::get_if<host::PadStepper<double>>(&steps)) return function(*of);
+    return function(std::get<host::PadStepper<float>>(steps));
+  }
+
+  State(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options)
+      : executor(host::Device(options.device)), count(count), places(3 * count) {
+    if (options.precision == "fp64")
+      steps.emplace<host::PadStepper<double>>(executor, pad, count, friction, options);
+    else
+      steps.emplace<host::PadStepper<float>>(executor, pad, count, friction, options);
+    with([&](auto& of) { cells = of.cells(), tactels = of.tactels(); });
+  }
+
+  void put_shapes(std::span<const double> pose);
+  void take_answer();
+
+  host::Executor executor;
+  std::size_t count, tactels = 0;
+  fem::PadCells cells;
+  std::variant<std::monostate, host::PadStepper<float>, host::PadStepper<double>> steps;
+  std::vector<fem::PadIndenter> indenters;  ///< one, or [count]; empty: gaps
+  std::vector<double> places;               ///< [count][3]
+  std::vector<double> put;                  ///< [count][3] places whose heights the device has; empty: none
+  std::vector<double> depths;               ///< [count] of gaps
+  StepAnswer answer;
+  std::vector<float> frames;  ///< of fp64
+};
+
+/// Heights of the shapes where they lie, moved by x, y and twist of the pose.
+void PadStepper::State::put_shapes(std::span<const double> pose) {
+  if (indenters.empty()) return;
+  std::vector<double> axes(2 * count), now(3 * count);
+  const bool known = put.size() == now.size();
+  with([&](auto& of) {
+    for (std::size_t c = 0; c < count; ++c) {
+      for (std::size_t k = 0; k < 3; ++k) now[3 * c + k] = places[3 * c + k] + (pose.empty() ? 0 : pose[4 * c + 1 + k]);
+      axes[2 * c] = now[3 * c], axes[2 * c + 1] = now[3 * c + 1];
+      if (known && std::equal(&now[3 * c], &now[3 * c] + 3, &put[3 * c])) continue;
+      const fem::PadIndenter& indenter = indenters[indenters.size() == 1 ? 0 : c];
+      of.set_surface(c, fem::pad_surface(cells, indenter, {now[3 * c], now[3 * c + 1]}, now[3 * c + 2]));
+    }
+    of.set_axes(axes);
+  });
+  put = std::move(now);
+}
+
+void PadStepper::State::take_answer() {
+  with([&](auto& of) {
+    const auto rows = of.results();
+    const auto number = [&](std::size_t c, int row) {
+      return static_cast<float>(rows[c * STEP_RESULT_ROWS + static_cast<std::size_t>(row)]);
+    };
+    const auto take = [&](auto& to, int row) {
+      to.resize(count);
+      for (std::size_t c = 0; c < count; ++c) to[c] = static_cast<std::remove_cvref_t<decltype(to[c])>>(number(c, row));
+    };
+    answer.force.resize(4 * count), answer.pose.resize(4 * count);
+    for (std::size_t c = 0; c < count; ++c) {
+      for (int k = 0; k < 4; ++k) {
+        answer.force[4 * c + static_cast<std::size_t>(k)] = number(c, STEP_RESULT_P + k);
+        answer.pose[4 * c + static_cast<std::size_t>(k)] = number(c, STEP_RESULT_DEPTH + k);
+      }
+      answer.pose[4 * c + 3] = static_cast<float>(fem::degrees(static_cast<double>(number(c, STEP_RESULT_TWIST))));
+    }
+    take(answer.slip_index, STEP_RESULT_S), take(answer.stick_fraction, STEP_RESULT_STICK);
+    take(answer.flags, STEP_RESULT_FLAGS), take(answer.residual, STEP_RESULT_RESIDUAL);
+    take(answer.solves, STEP_RESULT_SOLVES), take(answer.sweeps, STEP_RESULT_SWEEPS);
+  });
+}
+
+PadStepper::PadStepper(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options)
+    : state_(api::with_public_errors([&] {
+        api::check_precision(options.precision);
+        return new State(pad, count, friction, options);
+      })) {}
+PadStepper::~PadStepper() { delete state_; }
+PadStepper::PadStepper(PadStepper&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
+PadStepper& PadStepper::operator=(PadStepper&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+std::size_t PadStepper::count() const { return state_->count; }
+std::size_t PadStepper::tactels() const { return state_->tactels; }
+std::string PadStepper::device() const { return state_->executor.device().info().name; }
+const StepOptions& PadStepper::options() const {
+  return *state_->with([](auto& of) { return &of.options(); });
+}
+
+std::vector<double> PadStepper::cell_x() const {
+  std::vector<double> all;
+  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.x(i / state_->cells.n));
+  return all;
+}
+std::vector<double> PadStepper::cell_y() const {
+  std::vector<double> all;
+  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.y(i % state_->cells.n));
+  return all;
+}
+
+void PadStepper::set_friction(std::span<const double> friction) {
+  api::with_public_errors([&] { state_->with([&](auto& of) { of.set_friction(friction); }); });
+}
+
+void PadStepper::set_shapes(std::span<const PadIndenter> indenters) {
+  State& s = *state_;
+  api::with_public_errors([&] {
+    if (indenters.size() != 1 && indenters.size() != s.count)
+      throw ValueError("shapes", std::to_string(indenters.size()), fmt::format("1 or {}", s.count));
+    std::vector<fem::PadIndenter> made;
+    for (const PadIndenter& indenter : indenters) {
+      PadScene scene;
+      scene.indenter = indenter;
+      made.push_back(api::to_fem(scene).indenter);
+      made.back().validate();
+    }
+    for (std::size_t c = 0; c < s.count; ++c) {
+      const fem::PadIndenter& own = made[made.size() == 1 ? 0 : c];
+      s.places[3 * c] = own.position[0], s.places[3 * c + 1] = own.position[1], s.places[3 * c + 2] = 0;
+    }
+    s.indenters = std::move(made);
+    s.put.clear(), s.depths.clear();
+  });
+}
+
+void PadStepper::set_places(std::span<const double> places) {
+  api::with_public_errors([&] {
+    check_numbers("places", places.size(), 3 * state_->count);
+    for (const double number : places)
+      if (!std::isfinite(number)) throw ValueError("places", fmt::format("{}", number), "finite");
+    state_->places.assign(places.begin(), places.end());
+  });
+}
+
+void PadStepper::set_gaps(std::span<const float> gaps, std::span<const float> cover) {
+  State& s = *state_;
+  api::with_public_errors([&] {
+    const auto cells = static_cast<std::size_t>(s.cells.count());
+    check_numbers("gaps", gaps.size(), s.count * cells);
+    if (!cover.empty()) check_numbers("cover", cover.size(), gaps.size());
+    std::vector<double> heights(gaps.begin(), gaps.end()), covers(cover.begin(), cover.end());
+    s.depths.assign(s.count, 0);
+    for (std::size_t c = 0; c < s.count; ++c) {
+      double lowest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = c * cells; i < (c + 1) * cells; ++i)
+        if (covers.empty() || covers[i] > 0) lowest = std::min(lowest, heights[i]);
+      if (!std::isfinite(lowest)) lowest = 0;
+      s.depths[c] = -lowest;
+      for (std::size_t i = c * cells; i < (c + 1) * cells; ++i) heights[i] -= lowest;
+    }
+    s.with([&](auto& of) {
+      of.set_heights(std::span<const double>(heights), std::span<const double>(covers));
+      of.set_axes(std::vector<double>(2 * s.count));
+    });
+    s.indenters.clear(), s.put.clear();
+  });
+}
+
+const StepAnswer& PadStepper::move(std::span<const double> pose, bool travel) {
+  State& s = *state_;
+  api::with_public_errors([&] {
+    check_numbers("pose", pose.size(), 4 * s.count);
+    s.put_shapes(travel ? pose : std::span<const double>());
+    std::vector<double> to(pose.begin(), pose.end());
+    for (std::size_t c = 0; c < s.count; ++c) to[4 * c + 3] = fem::radians(to[4 * c + 3]);
+    s.with([&](auto& of) { of.move(to); });
+    s.take_answer();
+  });
+  return s.answer;
+}
+
+const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
+  State& s = *state_;
+  api::with_public_errors([&] {
+    check_numbers("motion", motion.size(), 3 * s.count);
+    if (s.depths.empty()) throw ValueError("gaps", "none", "given before a motion");
+    std::vector<double> to(4 * s.count);
+    s.with([&](auto& of) {
+      const std::vector<double> from = of.poses();
+      for (std::size_t c = 0; c < s.count; ++c) {
+        to[4 * c] = s.depths[c];
+        for (std::size_t k = 0; k < 2; ++k) to[4 * c + 1 + k] = from[4 * c + 1 + k] + motion[3 * c + k];
+        to[4 * c + 3] = from[4 * c + 3] + fem::radians(motion[3 * c + 2]);
+      }
+      of.move(to);
+    });
+    s.take_answer();
+  });
+  return s.answer;
+}
+
+const StepAnswer& PadStepper::press(std::span<const double> wrench) {
+  State& s = *state_;
+  api::with_public_errors([&] {
+    s.put_shapes({});
+    s.with([&](auto& of) { of.press(wrench); });
+    s.take_answer();
+  });
+  return s.answer;
+}
+
+const StepAnswer& PadStepper::answer() const { return state_->answer; }
+
+std::span<const float> PadStepper::frames() {
+  State& s = *state_;
+  return api::with_public_errors([&]() -> std::span<const float> {
+    if (auto* of = std::get_if<host::PadStepper<float>>(&s.steps)) return of->frames();
+    const auto frames = std::get<host::PadStepper<double>>(s.steps).frames();
+    s.frames.assign(frames.begin(), frames.end());
+    return s.frames;
+  });
+}
+
+std::vector<double> PadStepper::tractions() const {
+  return api::with_public_errors([&] { return state_->with([](auto& of) { return of.tractions(); }); });
+}
+
+void PadStepper::reset() {
+  api::with_public_errors([&] { state_->with([](auto& of) { of.reset(); }); });
+}
+void PadStepper::reset(std::span<const std::uint8_t> mask) {
+  api::with_public_errors([&] { state_->with([&](auto& of) { of.reset(mask); }); });
+}
+
+std::size_t PadStepper::state_size() const {
+  return state_->with([](auto& of) { return of.state_rows(); });
+}
+std::vector<double> PadStepper::state(std::span<const std::size_t> contacts) const {
+  return api::with_public_errors([&] {
+    return state_->with([&](auto& of) {
+      const auto all = of.state(contacts);
+      return std::vector<double>(all.begin(), all.end());
+    });
+  });
+}
+void PadStepper::set_state(std::span<const double> state, std::span<const std::size_t> contacts) {
+  api::with_public_errors([&] {
+    if (auto* of = std::get_if<host::PadStepper<float>>(&state_->steps))
+      of->set_state(std::vector<float>(state.begin(), state.end()), contacts);
+    else
+      std::get<host::PadStepper<double>>(state_->steps).set_state(state, contacts);
+  });
+}
+
+}  // namespace tactel

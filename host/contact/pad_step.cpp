@@ -1,0 +1,452 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/pad_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <type_traits>
+
+#include "fem/accuracy.h"
+#include "fem/pad/pad_layers.h"
+#include "fem/value_error.h"
+#include "host/contact/pad_contact_tables.h"
+#include "kernels/shared/pad_layout.h"
+#include "kernels/shared/pad_step_layout.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int least_grid = 4, most_grid = 24;
+constexpr std::size_t widest_vector = 64;  ///< of AVX-512
+constexpr double usual_reach = 0.5;        ///< rubber bulges beside an object by less than this part of its depth
+constexpr double longest_motion = 0.05;    ///< H, of a solve along the pad
+constexpr double least_cover = 1e-3;       ///< of a cell that counts as covered
+
+static_assert(int(step_open) == int(STEP_OPEN) && int(step_slides) == int(STEP_SLIDES));
+static_assert(int(step_unmet) == int(STEP_UNMET) && int(step_edge) == int(STEP_EDGE));
+static_assert(int(step_invalid) == int(STEP_INVALID));
+
+/// Stiffness of a contact of radius a that sticks on the layer, H = E = 1: kt a (1 + a) along it, kr a^3 (1 + a)
+/// against a twist. A first guess for the search of a pose: by rigid motions of a disc of cells.
+struct StickingDisc {
+  double kt, kr;
+
+  StickingDisc(const fem::PadLayer& layer) {
+    constexpr int n = 10;
+    constexpr double h = 0.14;
+    const std::vector<fem::CellInfluence> all = layer.influences(1, h, h, n);
+    std::vector<std::array<int, 2>> in;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        if (std::hypot(i - (n - 1) / 2.0, j - (n - 1) / 2.0) < n / 2.0) in.push_back({i, j});
+    const auto count = static_cast<Eigen::Index>(in.size());
+    Eigen::MatrixXd C(2 * count, 2 * count), rigid = Eigen::MatrixXd::Zero(2 * count, 2);
+    for (Eigen::Index p = 0; p < count; ++p) {
+      for (Eigen::Index q = 0; q < count; ++q) {
+        const int dx = in[p][0] - in[q][0], dy = in[p][1] - in[q][1];
+        const fem::CellInfluence& c = all[static_cast<std::size_t>(std::abs(dx) * (n + 1) + std::abs(dy))];
+        C(p, q) = c.xx, C(count + p, count + q) = c.yy;
+        C(p, count + q) = C(count + p, q) = dx * dy < 0 ? -c.xy : c.xy;
+      }
+      rigid(p, 0) = 1;
+      rigid(p, 1) = -(in[p][1] - (n - 1) / 2.0) * h, rigid(count + p, 1) = (in[p][0] - (n - 1) / 2.0) * h;
+    }
+    const Eigen::MatrixXd tractions = C.partialPivLu().solve(rigid);
+    const double a = std::sqrt(static_cast<double>(count) * h * h / std::numbers::pi);
+    kt = rigid.col(0).dot(tractions.col(0)) * h * h / (a * (1 + a));
+    kr = rigid.col(1).dot(tractions.col(1)) * h * h / (a * a * a * (1 + a));
+  }
+};
+
+void check_size(const char* key, std::size_t size, std::size_t allowed) {
+  if (size != allowed) throw ValueError(key, fmt::format("{} numbers", size), fmt::format("{} numbers", allowed));
+}
+
+void check(const StepOptions& options) {
+  if (options.cells < least_grid || options.cells > most_grid)
+    throw ValueError("cells", std::to_string(options.cells), "4 to 24");
+  if (!(options.cell > 0) || !std::isfinite(options.cell))
+    throw ValueError("cell", fmt::format("{}", options.cell), "above 0 mm");
+  if (options.sides == "free")
+    throw ValueError("sides", "\"free\"", "\"bonded\": steps on a pad with free sides are not served yet");
+  if (options.sides != "bonded") throw ValueError("sides", fmt::format("\"{}\"", options.sides), "\"bonded\"");
+  const auto positive = [](const char* key, double number) {
+    if (!(number > 0 && number <= 0.1)) throw ValueError(key, fmt::format("{}", number), "above 0 and at most 0.1");
+  };
+  positive("tolerance", options.tolerance), positive("force_tolerance", options.force_tolerance);
+  if (options.most_sweeps < 1) throw ValueError("most_sweeps", std::to_string(options.most_sweeps), "1 or more");
+  if (options.most_solves < 1) throw ValueError("most_solves", std::to_string(options.most_solves), "1 or more");
+}
+
+}  // namespace
+
+template <class Real>
+struct PadStepper<Real>::State {
+  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given)
+      : executor(executor), pad(pad), options(given), count(count), cells(fem::fixed_cells(given.cells, given.cell)) {
+    fem::validate(pad);
+    check(options);
+    if (count < 1) throw ValueError("count", "0", "1 or more");
+    const fem::Interval sides = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
+    if (options.cell < sides.left || options.cell > sides.right)
+      throw ValueError("cell", fmt::format("{}", options.cell),
+                       fmt::format("{} to {} mm on this rubber", sides.left, sides.right));
+    const Device& device = executor.device();
+    const Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
+    width = static_cast<std::size_t>(device.lanes(precision));
+    // As PadContact: two vectors share each number of the table where they are full and their sums fit into registers.
+    const bool wide = width * sizeof(Real) >= widest_vector && !device.info().halves;
+    const auto threads = static_cast<std::size_t>(executor.threads());
+    vectors = wide && options.cells <= 12 && count >= 4 * width * threads ? 2 : 1;
+    places = (count + lanes() - 1) / lanes() * lanes();
+    program.emplace(device, "pad_step.cl",
+                    Defines{{"REAL", real_type(precision)},
+                            {"LANES", std::to_string(width)},
+                            {"CELLS", std::to_string(options.cells)},
+                            {"VECTORS", std::to_string(vectors)}});
+    make_tables();
+    make_arrays();
+    make_launches();
+  }
+
+  const Device& device() const { return executor.device(); }
+  std::size_t lanes() const { return width * static_cast<std::size_t>(vectors); }
+  std::size_t cell_count() const { return static_cast<std::size_t>(cells.count()); }
+  std::size_t rows() const { return STEP_FIELDS * cell_count() + STEP_NUMBERS; }
+  /// Where number `row` of a contact lies in an array of `rows` numbers each.
+  std::size_t at(std::size_t contact, std::size_t row, std::size_t rows) const {
+    return (contact / width * rows + row) * width + contact % width;
+  }
+
+  void make_tables();
+  void make_arrays();
+  void make_launches();
+  void put_input(std::size_t first, std::size_t numbers, std::span<const double> from, std::span<const double> units);
+  void step(std::span<const double> to, bool by_wrench);
+  template <class Number>
+  void put_heights(std::size_t contact, const Number* height, const Number* cover, std::span<Real> all,
+                   std::span<Real> softs) const;
+
+  Executor& executor;
+  fem::PadSensor pad;
+  StepOptions options;
+  std::size_t count, width = 1, places = 0;  ///< places: contacts with those that fill up a work-item
+  int vectors = 1;
+  fem::PadCells cells;
+  double root_zz = 0, root_tt = 0, kt = 0, kr = 0;
+  double reach = usual_reach;
+  std::size_t frame_rows = 0;
+  std::optional<Program> program;
+  Buffer<Real> table, base, input, heights, soft, state, result, frame;
+  std::optional<Launch> step_launch, frame_launch;
+  bool framed = false;
+  using Mapping = typename Buffer<Real>::Mapping;
+  mutable std::unique_ptr<Mapping> result_view, frame_view;
+};
+
+template <class Real>
+void PadStepper<Real>::State::make_tables() {
+  const double H = pad.thickness;
+  const auto real = [](const std::vector<double>& numbers) {
+    return std::vector<Real>(numbers.begin(), numbers.end());
+  };
+  const PadTables tables(pad.poisson, cells.n, true);
+  const std::vector<double> influence = tables.shared_influence(cell_size(cells, H));
+  root_zz = influence[PAD_ROOT_ZZ], root_tt = influence[PAD_ROOT_TT];
+  table = Buffer<Real>(device(), std::span<const Real>(real(influence)));
+  const StickingDisc disc(*tables.layer());
+  kt = disc.kt, kr = disc.kr;
+  const TactelPoints points(pad);
+  const std::size_t parts = points.weights.size(), tactels = static_cast<std::size_t>(points.places.rows()) / parts;
+  frame_rows = 3 * tactels;
+  const std::size_t blocks = (frame_rows + STEP_FRAME_BLOCK - 1) / STEP_FRAME_BLOCK;
+  std::vector<double> stress(blocks * cell_count() * 3 * STEP_FRAME_BLOCK);
+  const double unit[3] = {-pad.young / root_zz, pad.young / root_tt, pad.young / root_tt};  // f_z = -n
+  constexpr int column[3] = {2, 0, 1};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(points.places.rows()); ++k) {
+    const auto at = points.places.row(static_cast<Eigen::Index>(k));
+    const auto all =
+        tables.layer()->base_stresses(H, cells.hx, cells.hy, cells.n, at[0] - cells.x(0), at[1] - cells.y(0));
+    for (std::size_t i = 0; i < cell_count(); ++i)
+      for (std::size_t part = 0; part < 3; ++part)
+        for (std::size_t stress_row = 0; stress_row < 3; ++stress_row) {
+          const std::size_t row = stress_row * tactels + k / parts;
+          stress[((row / STEP_FRAME_BLOCK * cell_count() + i) * 3 + part) * STEP_FRAME_BLOCK +
+                 row % STEP_FRAME_BLOCK] +=
+              points.weights[k % parts] * unit[part] * all[i](static_cast<Eigen::Index>(stress_row), column[part]);
+        }
+  }
+  base = Buffer<Real>(device(), std::span<const Real>(real(stress)));
+}
+
+template <class Real>
+void PadStepper<Real>::State::make_arrays() {
+  const auto filled = [&](std::size_t rows, Real number) {
+    Buffer<Real> buffer(device(), places * rows);
+    const auto all = buffer.map(MapFor::writing);
+    std::ranges::fill(all.view(), number);
+    return buffer;
+  };
+  input = filled(STEP_INPUT_ROWS, 0), heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
+  state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0), frame = filled(frame_rows, 0);
+}
+
+template <class Real>
+void PadStepper<Real>::State::make_launches() {
+  const double H = pad.thickness;
+  const fem::Accuracy accuracy = fem::by_rule<Real>({options.tolerance, 0}, fem::slow_on_patch);
+  step_launch = executor.prepare(*program, "pad_step", [&](KernelArguments& kernel) {
+    kernel.set("table", table);
+    kernel.set("input", input);
+    kernel.set("heights", heights);
+    kernel.set("soft", soft);
+    kernel.set("by_wrench", std::int32_t(0));
+    kernel.set("kt", Real(kt));
+    kernel.set("kr", Real(kr));
+    kernel.set("force", Real(pad.young * H * H));
+    kernel.set("thickness", Real(H));
+    kernel.set("tolerance", Real(accuracy.tolerance));
+    kernel.set("accept", Real(accuracy.accept));
+    kernel.set("force_tolerance", Real(options.force_tolerance));
+    kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
+    kernel.set("most_solves", std::int32_t(options.most_solves));
+    kernel.set("reach", Real(reach));
+    kernel.set("travel", Real(longest_motion));
+    kernel.set("state", state);
+    kernel.set("result", result);
+  });
+  frame_launch = executor.prepare(*program, "pad_frames", [&](KernelArguments& kernel) {
+    kernel.set("base", base);
+    kernel.set("rows", std::int32_t(frame_rows));
+    kernel.set("state", state);
+    kernel.set("frames", frame);
+  });
+}
+
+/// Puts `numbers` numbers of each contact, times their units, into rows of the input.
+template <class Real>
+void PadStepper<Real>::State::put_input(std::size_t first, std::size_t numbers, std::span<const double> from,
+                                        std::span<const double> units) {
+  const auto all = input.map();
+  for (std::size_t c = 0; c < count; ++c)
+    for (std::size_t k = 0; k < numbers; ++k)
+      all[at(c, first + k, STEP_INPUT_ROWS)] = static_cast<Real>(from[c * numbers + k] * units[k]);
+}
+
+template <class Real>
+template <class Number>
+void PadStepper<Real>::State::put_heights(std::size_t contact, const Number* height, const Number* cover,
+                                          std::span<Real> all, std::span<Real> softs) const {
+  const double per_H = 1 / pad.thickness;
+  for (std::size_t i = 0; i < cell_count(); ++i) {
+    const double f = cover ? static_cast<double>(cover[i]) : 1, h = static_cast<double>(height[i]) * per_H;
+    const std::size_t place = at(contact, i, cell_count());
+    all[place] = h >= PAD_OPEN || f < least_cover ? Real(PAD_OPEN) : static_cast<Real>(h);
+    softs[place] = f < least_cover && f >= 0 ? Real(0) : static_cast<Real>(1 / f - 1);
+  }
+}
+
+template <class Real>
+void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
+  check_size(by_wrench ? "wrench" : "pose", to.size(), 4 * count);
+  const double H = pad.thickness, force = pad.young * H * H;
+  const std::array by_pose{1 / H, 1 / H, 1 / H, 1.0}, by_force{1 / force, 1 / force, 1 / force, 1 / (force * H)};
+  result_view.reset(), frame_view.reset();
+  framed = false;
+  put_input(STEP_TO, 4, to, by_wrench ? by_force : by_pose);
+  step_launch->set("by_wrench", std::int32_t(by_wrench));
+  const std::size_t groups = places / lanes();
+  if (groups == 1 && device().info().low_latency)
+    executor.run_here(*step_launch);
+  else
+    executor.run(*step_launch, groups);
+}
+
+template <class Real>
+PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count,
+                             std::span<const double> friction, const StepOptions& options)
+    : state_(std::make_unique<State>(executor, pad, count, options)) {
+  set_friction(friction);
+}
+template <class Real>
+PadStepper<Real>::~PadStepper() = default;
+template <class Real>
+PadStepper<Real>::PadStepper(PadStepper&&) noexcept = default;
+template <class Real>
+PadStepper<Real>& PadStepper<Real>::operator=(PadStepper&&) noexcept = default;
+
+template <class Real>
+std::size_t PadStepper<Real>::count() const {
+  return state_->count;
+}
+template <class Real>
+std::size_t PadStepper<Real>::tactels() const {
+  return state_->frame_rows / 3;
+}
+template <class Real>
+const fem::PadCells& PadStepper<Real>::cells() const {
+  return state_->cells;
+}
+template <class Real>
+const StepOptions& PadStepper<Real>::options() const {
+  return state_->options;
+}
+template <class Real>
+std::size_t PadStepper<Real>::lanes() const {
+  return state_->lanes();
+}
+template <class Real>
+std::size_t PadStepper<Real>::state_rows() const {
+  return state_->rows();
+}
+
+template <class Real>
+void PadStepper<Real>::set_friction(std::span<const double> friction) {
+  std::vector<double> all(friction.begin(), friction.end());
+  if (all.size() == 1) all.assign(count(), all.front());
+  check_size("friction", all.size(), count());
+  for (const double mu : all)
+    if (!(mu >= 0) || !std::isfinite(mu)) throw ValueError("friction", fmt::format("{}", mu), "0 or more");
+  state_->put_input(STEP_MU, 1, all, std::array{1.0});
+}
+
+template <class Real>
+template <class Number>
+void PadStepper<Real>::set_heights(std::span<const Number> heights, std::span<const Number> cover) {
+  State& s = *state_;
+  check_size("heights", heights.size(), count() * s.cell_count());
+  if (!cover.empty()) check_size("cover", cover.size(), heights.size());
+  const auto all = s.heights.map();
+  const auto softs = s.soft.map();
+  for (std::size_t c = 0; c < count(); ++c)
+    s.put_heights(c, &heights[c * s.cell_count()], cover.empty() ? nullptr : &cover[c * s.cell_count()], all.view(),
+                  softs.view());
+}
+
+template <class Real>
+void PadStepper<Real>::set_surface(std::size_t contact, const fem::PadSurface& surface) {
+  const auto all = state_->heights.map();
+  const auto softs = state_->soft.map();
+  state_->put_heights(contact, surface.height.data(), surface.cover.data(), all.view(), softs.view());
+}
+
+template <class Real>
+void PadStepper<Real>::set_axes(std::span<const double> axes) {
+  check_size("axes", axes.size(), 2 * count());
+  const double per_H = 1 / state_->pad.thickness;
+  state_->put_input(STEP_AXIS_X, 2, axes, std::array{per_H, per_H});
+}
+
+template <class Real>
+void PadStepper<Real>::move(std::span<const double> pose) {
+  state_->step(pose, false);
+}
+template <class Real>
+void PadStepper<Real>::press(std::span<const double> wrench) {
+  state_->step(wrench, true);
+}
+
+template <class Real>
+std::span<const Real> PadStepper<Real>::results() const {
+  State& s = *state_;
+  if (!s.result_view) s.result_view = std::make_unique<typename State::Mapping>(s.result, MapFor::reading);
+  return s.result_view->view().first(count() * STEP_RESULT_ROWS);
+}
+
+template <class Real>
+std::span<const Real> PadStepper<Real>::frames() {
+  State& s = *state_;
+  if (!s.framed) {
+    s.frame_view.reset();
+    s.executor.run(*s.frame_launch, s.places / s.lanes(), {.equal_groups = true});
+    s.framed = true;
+  }
+  if (!s.frame_view) s.frame_view = std::make_unique<typename State::Mapping>(s.frame, MapFor::reading);
+  return s.frame_view->view().first(count() * s.frame_rows);
+}
+
+template <class Real>
+std::vector<double> PadStepper<Real>::tractions() const {
+  const State& s = *state_;
+  const std::size_t cells = s.cell_count();
+  const auto all = s.state.map(MapFor::reading);
+  std::vector<double> made(count() * 3 * cells);
+  for (std::size_t c = 0; c < count(); ++c)
+    for (std::size_t k = 0; k < 3 * cells; ++k)
+      made[c * 3 * cells + k] = all[s.at(c, k, s.rows())] * s.pad.young / (k < cells ? s.root_zz : s.root_tt);
+  return made;
+}
+
+template <class Real>
+std::vector<double> PadStepper<Real>::poses() const {
+  const State& s = *state_;
+  const auto all = s.state.map(MapFor::reading);
+  std::vector<double> made(4 * count());
+  for (std::size_t c = 0; c < count(); ++c)
+    for (std::size_t k = 0; k < 4; ++k)
+      made[4 * c + k] = static_cast<double>(all[s.at(c, STEP_FIELDS * s.cell_count() + STEP_POSE + k, s.rows())]) *
+                        (k < 3 ? s.pad.thickness : 1);
+  return made;
+}
+
+template <class Real>
+void PadStepper<Real>::reset(std::span<const std::uint8_t> mask) {
+  State& s = *state_;
+  check_size("mask", mask.size(), count());
+  const auto all = s.state.map();
+  for (std::size_t c = 0; c < count(); ++c)
+    if (mask[c] != 0)
+      for (std::size_t k = 0; k < s.rows(); ++k) all[s.at(c, k, s.rows())] = 0;
+}
+
+template <class Real>
+void PadStepper<Real>::reset() {
+  const auto all = state_->state.map(MapFor::writing);
+  std::ranges::fill(all.view(), Real(0));
+}
+
+template <class Real>
+std::vector<Real> PadStepper<Real>::state(std::span<const std::size_t> contacts) const {
+  const State& s = *state_;
+  const auto all = s.state.map(MapFor::reading);
+  std::vector<Real> made;
+  const std::size_t asked = contacts.empty() ? count() : contacts.size();
+  made.reserve(asked * s.rows());
+  for (std::size_t c = 0; c < asked; ++c) {
+    const std::size_t contact = contacts.empty() ? c : contacts[c];
+    if (contact >= count()) throw ValueError("contacts", std::to_string(contact), fmt::format("below {}", count()));
+    for (std::size_t k = 0; k < s.rows(); ++k) made.push_back(all[s.at(contact, k, s.rows())]);
+  }
+  return made;
+}
+
+template <class Real>
+void PadStepper<Real>::set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts) {
+  State& s = *state_;
+  const std::size_t given = contacts.empty() ? count() : contacts.size();
+  check_size("state", numbers.size(), given * s.rows());
+  for (const std::size_t contact : contacts)
+    if (contact >= count()) throw ValueError("contacts", std::to_string(contact), fmt::format("below {}", count()));
+  const auto all = s.state.map();
+  for (std::size_t c = 0; c < given; ++c)
+    for (std::size_t k = 0; k < s.rows(); ++k)
+      all[s.at(contacts.empty() ? c : contacts[c], k, s.rows())] = numbers[c * s.rows() + k];
+}
+
+template <class Real>
+void PadStepper<Real>::set_reach(double reach) {
+  state_->step_launch->set("reach", static_cast<Real>(std::min(reach, 1e20)));
+}
+
+template class PadStepper<float>;
+template class PadStepper<double>;
+template void PadStepper<float>::set_heights(std::span<const float>, std::span<const float>);
+template void PadStepper<float>::set_heights(std::span<const double>, std::span<const double>);
+template void PadStepper<double>::set_heights(std::span<const float>, std::span<const float>);
+template void PadStepper<double>::set_heights(std::span<const double>, std::span<const double>);
+
+}  // namespace tactel::host

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/step_options.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fem/pad/pad_surface.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Many contacts with one pad that take one increment a call, each on from the state that the last left in the device's
+/// buffers: launcher of kernels/pad_step.cl. Its twin is fem::SteppedContact. Move only.
+template <class Real>
+class PadStepper {
+ public:
+  /// `friction` [count] or one for all. Throws ValueError for a pad, a number or an option that is not served.
+  PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count, std::span<const double> friction,
+             const StepOptions& options = {});
+  ~PadStepper();
+  PadStepper(PadStepper&&) noexcept;
+  PadStepper& operator=(PadStepper&&) noexcept;
+
+  std::size_t count() const;
+  std::size_t tactels() const;
+  const fem::PadCells& cells() const;
+  const StepOptions& options() const;
+  std::size_t lanes() const;       ///< contacts of a work-item
+  std::size_t state_rows() const;  ///< numbers of a contact
+
+  // What the next step takes. All of it stays until it is given anew. Wrong sizes throw ValueError.
+  void set_friction(std::span<const double> friction);  ///< [count] or one for all
+  /// [count][cells] mm above the lowest point of the object, +infinity where there is none; cover [count][cells] 0 to
+  /// 1, or empty: 1. Numbers that are no heights, and a cover that is none, make a contact STEP_INVALID.
+  template <class Number>
+  void set_heights(std::span<const Number> heights, std::span<const Number> cover = {});
+  /// The same of one contact.
+  void set_surface(std::size_t contact, const fem::PadSurface& surface);
+  void set_axes(std::span<const double> axes);  ///< [count][2] mm: the object's axis, of twists and torques
+
+  /// Steps by motion: pose [count][4], depth, x, y (mm), twist (rad), of the whole way since the contact was reset.
+  void move(std::span<const double> pose);
+  /// Steps by wrench [count][4]: P, Qx, Qy (N), M (N mm); P <= 0: open.
+  void press(std::span<const double> wrench);
+
+  // Answers of the last step, in memory of the device where that is the host's: valid until the next step, at most as
+  // long as the stepper.
+  std::span<const Real> results() const;  ///< [count][STEP_RESULT_ROWS] of kernels/shared/pad_step_layout.h
+  std::span<const Real> frames();         ///< [count][3][tactels] MPa: sigma_z, tau_x, tau_y; made at the first call
+  std::vector<double> poses() const;      ///< [count][4] depth, x, y (mm), twist (rad) where the contacts are
+  /// Tractions on the cells, [count][3][cells] MPa: n, t_x, t_y.
+  std::vector<double> tractions() const;
+
+  /// Contacts as nothing had touched them. `mask` [count]: not 0 where.
+  void reset(std::span<const std::uint8_t> mask);
+  void reset();
+  /// Numbers [contacts][state_rows()] of these contacts, or of all; setting them gives the same bits from then on, in
+  /// any stepper of this pad, cells and precision.
+  std::vector<Real> state(std::span<const std::size_t> contacts = {}) const;
+  void set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts = {});
+
+  /// Cells are near up to this part of the depth above it; infinity: all, for tests.
+  void set_reach(double reach);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+extern template class PadStepper<float>;
+extern template class PadStepper<double>;
+
+}  // namespace tactel::host

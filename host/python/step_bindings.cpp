@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/pad_step.h>
+
+#include "host/python/bindings.h"
+
+namespace tactel::python {
+
+using namespace pybind11::literals;
+
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+/// Numbers of an array [count, columns], of [columns] where it is one row for all.
+template <class Array>
+auto rows_of(const Array& array, std::size_t count, std::size_t columns, const char* name) {
+  using Number = typename Array::value_type;
+  const auto size = static_cast<std::size_t>(array.size());
+  std::vector<Number> all(array.data(), array.data() + size);
+  if (array.ndim() == 1 && size == columns && count > 1)
+    for (std::size_t c = 1; c < count; ++c) all.insert(all.end(), array.data(), array.data() + size);
+  if (all.size() != count * columns || array.ndim() > 2)
+    throw InputError(name, "an array of " + std::to_string(size) + " numbers",
+                     "must be [" + std::to_string(count) + ", " + std::to_string(columns) + "]");
+  return all;
+}
+
+/// The stepper of Python, with the number of its steps: answers know which one they are of.
+struct Stepper {
+  PadStepper steps;
+  std::size_t made = 0;
+};
+
+struct Answer {
+  py::object owner;  ///< Stepper
+  std::size_t step;
+  StepAnswer of;
+
+  Stepper& stepper() const { return owner.cast<Stepper&>(); }
+};
+
+template <class Number>
+auto member(std::vector<Number> StepAnswer::*numbers, py::ssize_t columns) {
+  return [numbers, columns](const py::object& self) {
+    const auto& all = self.cast<const Answer&>().of.*numbers;
+    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(all.size()) / columns};
+    if (columns > 1) shape.push_back(columns);
+    return view(all, shape, self);
+  };
+}
+
+py::array_t<float> frames_of_answer(const py::object& self) {
+  const Answer& answer = self.cast<const Answer&>();
+  Stepper& stepper = answer.stepper();
+  if (answer.step != stepper.made)
+    throw InputError("frames", "those of step " + std::to_string(answer.step),
+                     "must be read before the next step, or copied");
+  const std::span<const float> frames = stepper.steps.frames();
+  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  py::array_t<float> array({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
+  return array;
+}
+
+Answer answer_of(py::object self, const StepAnswer& answer) {
+  const std::size_t step = ++self.cast<Stepper&>().made;
+  return {std::move(self), step, answer};
+}
+
+std::vector<PadIndenter> indenters_of(const std::variant<PadIndenter, PadShape, std::vector<PadIndenter>>& given) {
+  if (const auto* one = std::get_if<PadIndenter>(&given)) return {*one};
+  if (const auto* shape = std::get_if<PadShape>(&given)) return {PadIndenter{*shape}};
+  return std::get<std::vector<PadIndenter>>(given);
+}
+
+void put_gaps(PadStepper& steps, const std::optional<Floats>& gaps, const std::optional<Floats>& cover) {
+  if (!gaps) {
+    if (cover) throw InputError("cover", "an array", "must be given with gaps");
+    return;
+  }
+  const std::size_t cells = steps.cell_x().size();
+  const std::vector<float> all = rows_of(*gaps, steps.count(), cells, "gaps");
+  steps.set_gaps(all, cover ? rows_of(*cover, steps.count(), cells, "cover") : std::vector<float>());
+}
+
+Answer move(const py::object& self, const std::optional<Doubles>& pose, const std::optional<Floats>& gaps,
+            const std::optional<Floats>& cover, const std::optional<Doubles>& motion, bool travel) {
+  PadStepper& steps = self.cast<Stepper&>().steps;
+  if (pose.has_value() == gaps.has_value())
+    throw InputError("move", pose ? "a pose and gaps" : "neither pose nor gaps",
+                     "must have a pose of the shapes, or gaps with a motion");
+  if (pose) {
+    const std::vector<double> to = rows_of(*pose, steps.count(), 4, "pose");
+    const py::gil_scoped_release released;
+    steps.move(to, travel);
+  } else {
+    put_gaps(steps, gaps, cover);
+    const std::vector<double> by =
+        motion ? rows_of(*motion, steps.count(), 3, "motion") : std::vector<double>(3 * steps.count());
+    const py::gil_scoped_release released;
+    steps.move_by(by);
+  }
+  return answer_of(self, steps.answer());
+}
+
+Answer press(const py::object& self, const Doubles& wrench, const std::optional<Floats>& gaps,
+             const std::optional<Floats>& cover) {
+  PadStepper& steps = self.cast<Stepper&>().steps;
+  put_gaps(steps, gaps, cover);
+  const std::vector<double> to = rows_of(wrench, steps.count(), 4, "wrench");
+  {
+    const py::gil_scoped_release released;
+    steps.press(to);
+  }
+  return answer_of(self, steps.answer());
+}
+
+py::array_t<double> state_of(const Stepper& self, const std::vector<std::size_t>& contacts) {
+  const std::vector<double> all = self.steps.state(contacts);
+  const auto size = static_cast<py::ssize_t>(self.steps.state_size());
+  py::array_t<double> array({static_cast<py::ssize_t>(all.size()) / size, size});
+  std::ranges::copy(all, array.mutable_data());
+  return array;
+}
+
+void bind_step_answer(py::module_& m) {
+  py::class_<Answer>(m, "StepAnswer", "What a step of a PadStepper says. Arrays are views without copies.")
+      .def_property_readonly(
+          "frames", &frames_of_answer,
+          "[count, 3 tactels] MPa, fp32, as networks take them: all sigma_z, then tau_x, then tau_y; "
+          "memory of the device where that is the host's, valid until the next step")
+      .def_property_readonly("force", member(&StepAnswer::force, 4), "[count, 4] P, Qx, Qy (N), M (N mm)")
+      .def_property_readonly("pose", member(&StepAnswer::pose, 4),
+                             "[count, 4] depth, x, y (mm), twist (degrees) since the contact was reset")
+      .def_property_readonly("slip_index", member(&StepAnswer::slip_index, 1), "[count] S; 0 where mu P = 0")
+      .def_property_readonly("stick_fraction", member(&StepAnswer::stick_fraction, 1),
+                             "[count] cells that stick over those that touch")
+      .def_property_readonly("flags", member(&StepAnswer::flags, 1),
+                             "[count] sums of OPEN, SLIDES, UNMET, EDGE, INVALID of PadStepper")
+      .def_property_readonly("residual", member(&StepAnswer::residual, 1), "[count] largest residual of the laws")
+      .def_property_readonly("solves", member(&StepAnswer::solves, 1), "[count] poses that were solved")
+      .def_property_readonly("sweeps", member(&StepAnswer::sweeps, 1), "[count] sweeps of all of them");
+}
+
+}  // namespace
+
+void bind_steps(py::module_& m) {
+  bind_step_answer(m);
+  py::class_<Stepper> stepper(m, "PadStepper",
+                              "Contacts with one pad inside a simulator: each call takes all of them a step on.");
+  stepper
+      .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, int cells, double cell,
+                       const std::string& sides, double tolerance, double force_tolerance, int most_solves,
+                       Precision precision, const std::string& device) {
+             StepOptions options;
+             options.cells = cells, options.cell = cell, options.sides = sides, options.tolerance = tolerance;
+             options.force_tolerance = force_tolerance, options.most_solves = most_solves;
+             options.precision = precision, options.device = device;
+             const std::vector<double> mu(friction.data(), friction.data() + friction.size());
+             const py::gil_scoped_release released;
+             return Stepper{PadStepper(pad, count, mu, options)};
+           }),
+           "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = 16, "cell"_a = 0.5, "sides"_a = "bonded",
+           "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
+           "friction: [count], or one number; cells: along a side of the grid about the pad's middle, 4 to 24; cell: "
+           "mm; "
+           "sides: \"bonded\"; tolerance: of the sweeps; force_tolerance: of a wrench, over P; most_solves: poses that "
+           "a "
+           "step by wrench may solve.")
+      .def("__len__", [](const Stepper& self) { return self.steps.count(); })
+      .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
+      .def_property_readonly(
+          "cell_x", [](const Stepper& self) { return py::array_t<double>(py::cast(self.steps.cell_x())); },
+          "[cells] mm on the pad, y fastest")
+      .def_property_readonly(
+          "cell_y", [](const Stepper& self) { return py::array_t<double>(py::cast(self.steps.cell_y())); },
+          "[cells] mm")
+      .def_property_readonly("device", [](const Stepper& self) { return self.steps.device(); })
+      .def(
+          "set_friction",
+          [](Stepper& self, const Doubles& friction) {
+            self.steps.set_friction(std::vector<double>(friction.data(), friction.data() + friction.size()));
+          },
+          "friction"_a, "friction: [count], or one number, from the next step on.")
+      .def(
+          "shapes",
+          [](Stepper& self, const std::variant<PadIndenter, PadShape, std::vector<PadIndenter>>& shapes,
+             const std::optional<Doubles>& places) {
+            self.steps.set_shapes(indenters_of(shapes));
+            if (places) self.steps.set_places(rows_of(*places, self.steps.count(), 3, "places"));
+          },
+          "shapes"_a, "places"_a = py::none(),
+          "shapes: a shape or PadIndenter for all contacts, or a PadIndenter for each; places: [count, 3] x, y (mm), "
+          "yaw "
+          "(degrees) on the pad, else those of the indenters.")
+      .def(
+          "places",
+          [](Stepper& self, const Doubles& places) {
+            self.steps.set_places(rows_of(places, self.steps.count(), 3, "places"));
+          },
+          "places"_a,
+          "Places of the shapes from the next step on: [count, 3] x, y (mm), yaw (degrees). Heights move, "
+          "friction does not feel it.")
+      .def("move", &move, "pose"_a = py::none(), py::kw_only(), "gaps"_a = py::none(), "cover"_a = py::none(),
+           "motion"_a = py::none(), "travel"_a = true,
+           "Steps by motion. pose: [count, 4] depth, x, y (mm), twist (degrees) since the contact was reset, with "
+           "travel the shapes go along. Or gaps: [count, cells] mm, < 0 overlaps, cover: [count, cells] 0 to 1, and "
+           "motion: [count, 3] x, y (mm), twist (degrees) since the last step.")
+      .def("press", &press, "wrench"_a, py::kw_only(), "gaps"_a = py::none(), "cover"_a = py::none(),
+           "Steps by wrench, and finds the pose. wrench: [count, 4] P, Qx, Qy (N), M (N mm); P <= 0: open; gaps, cover "
+           "as of move.")
+      .def(
+          "reset",
+          [](Stepper& self, const std::optional<py::array_t<bool, py::array::c_style | py::array::forcecast>>& mask) {
+            if (!mask) return self.steps.reset();
+            self.steps.reset(std::vector<std::uint8_t>(mask->data(), mask->data() + mask->size()));
+          },
+          "mask"_a = py::none(), "Contacts as if nothing had touched: where mask [count] is true, or all.")
+      .def("state", &state_of, "contacts"_a = std::vector<std::size_t>{},
+           "Returns the state of these contacts, or of all, [contacts, numbers]; fp32 numbers are kept exactly.")
+      .def(
+          "set_state",
+          [](Stepper& self, const Doubles& state, const std::vector<std::size_t>& contacts) {
+            self.steps.set_state(std::span(state.data(), static_cast<std::size_t>(state.size())), contacts);
+          },
+          "state"_a, "contacts"_a = std::vector<std::size_t>{},
+          "Sets the state of these contacts, or of all: steps then have the bits that they had from where it was "
+          "taken.")
+      .def(
+          "tractions",
+          [](const Stepper& self) {
+            const std::vector<double> all = self.steps.tractions();
+            const auto count = static_cast<py::ssize_t>(self.steps.count());
+            py::array_t<double> array({count, py::ssize_t{3}, static_cast<py::ssize_t>(all.size()) / count / 3});
+            std::ranges::copy(all, array.mutable_data());
+            return array;
+          },
+          "Returns pressures and tractions on the cells, [count, 3, cells] MPa: n, t_x, t_y.");
+  stepper.attr("OPEN") = int(step_open), stepper.attr("SLIDES") = int(step_slides);
+  stepper.attr("UNMET") = int(step_unmet), stepper.attr("EDGE") = int(step_edge);
+  stepper.attr("INVALID") = int(step_invalid);
+}
+
+}  // namespace tactel::python

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Cells under an indenter on a pad, a scene a lane: their tractions and history, and what they do to the surface.
+   kernels/pad_contact.cl states the laws and the rules of all files here. Device only. */
+#ifndef TACTEL_PAD_CELLS_H
+#define TACTEL_PAD_CELLS_H
+#include "patch/numbers.h"
+#include "shared/elementary.h"
+#include "shared/pad_layout.h"
+
+/* STEPPED 1 (kernels/pad_step.cl): cells are fixed to the pad, so that most lie far from the indenter, and those that it
+   covers in part give way on their own. */
+#ifndef STEPPED
+#define STEPPED 0
+#endif
+
+#define COUNT (CELLS * CELLS)
+#define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
+#define RING (CELLS + 2)
+#define EACH_VECTOR(v) EACH(v, VECTORS)
+#define TURN(sum) sum.v[0] = -sum.v[0]
+#define TURN_X(s) TURN(s.zx), TURN(s.xn), TURN(s.xy), TURN(s.yx)
+#define TURN_Y(s) TURN(s.zy), TURN(s.yn), TURN(s.xy), TURN(s.yx)
+#define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
+
+/* One number of each scene. */
+typedef struct {
+  vreal v[VECTORS];
+} Lanes;
+typedef struct {
+  vint v[VECTORS];
+} Masks;
+
+typedef struct {
+  Lanes n[COUNT], tx[COUNT], ty[COUNT]; /* tractions, scaled */
+  Lanes gx[COUNT], gy[COUNT];           /* where a cell would be if it stuck, over sqrt(tt0) */
+  Lanes open[COUNT];                    /* h - d, over sqrt(zz0) */
+  Masks window[COUNT];
+  Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
+  Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
+  int list[COUNT], at[COUNT], listed; /* cells in the window of lanes that sweep: index, place in a shared table */
+  int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
+#if STEPPED
+  Lanes soft[COUNT];           /* compliance of its own that a cell adds, over that of a cell on itself */
+  Lanes per_own[COUNT];        /* 1 / all that a cell does to itself: a row of a sweep is divided by it */
+  Masks near[COUNT];           /* of each lane: cells that the indenter may touch */
+  int near_list[COUNT], nears; /* those of any lane */
+#endif
+} Cells;
+
+/* Cells at which fresh sums are made: k below SUMMED(c). */
+#if STEPPED
+#define SUMMED(c) ((c)->nears)
+#define CELL_SUMMED(c, k) ((c)->near_list[k])
+#else
+#define SUMMED(c) COUNT
+#define CELL_SUMMED(c, k) (k)
+#endif
+
+/* The height of cell i of vector v. Without a ring around the cells where they are fixed to the pad. */
+#if STEPPED
+#define HEIGHT(heights, v, i) heights[(v)*COUNT + (i)]
+#else
+#define HEIGHT(heights, v, i) heights[((v)*RING + (i) / CELLS + 1) * RING + (i) % CELLS + 1]
+#endif
+
+/* Numbers that belong to a table. */
+#if OWN_TABLES
+typedef vreal side;
+#else
+typedef real side;
+#endif
+
+typedef struct {
+  global const side *table; /* the entry of a source at offset 0 */
+  side root_zz, root_tt, hx, hy;
+} Influence;
+
+/* What changes from increment to increment, and the lane's constants. */
+typedef struct {
+  Lanes d, x, y, twist;                             /* where the indenter is */
+  Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
+  Lanes mu;                                         /* of scaled tractions */
+  Lanes lowest, x_middle, y_middle;
+  Lanes slid;                 /* sum over the increments without a sticking cell of the rms slide of those that touch */
+  Lanes sweeps, trial_sweeps; /* of this increment, and since the indenter last moved */
+  Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
+  Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
+  Masks valid, running, active, failed, lost, by_force, searching;
+#if STEPPED
+  Lanes deep; /* up to which depth `near` holds */
+  Masks anew; /* heights, covers or mu are not those of the last increment: the lane solves, wherever it moves */
+#endif
+  side half_size;
+} State;
+
+static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
+static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
+
+/* The nine sums of a displacement, each a chain of its own: additions do not wait for each other. */
+typedef struct {
+  Lanes zn, zx, zy, xx, xy, xn, yx, yy, yn;
+} Sums;
+
+/* Adds the products of cell j and its entry of the table. */
+INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
+  EACH_VECTOR(v) {
+    const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
+    s->zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, s->zn.v[v]);
+    s->zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, s->zx.v[v]);
+    s->zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, s->zy.v[v]);
+    s->xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, s->xx.v[v]);
+    s->xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, s->xy.v[v]);
+    s->xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, s->xn.v[v]);
+    s->yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, s->yx.v[v]);
+    s->yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, s->yy.v[v]);
+    s->yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, s->yn.v[v]);
+  }
+}
+
+/* Displacement at a cell by the cells listed. ix, iy from -1 to CELLS. A table of one quadrant lacks the signs of xy,
+   xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. There a column is walked
+   from its first cell in a window to its last: those between without tractions add 0. */
+INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
+  Sums s;
+  EACH_VECTOR(v) {
+    s.zn.v[v] = s.zx.v[v] = s.zy.v[v] = s.xx.v[v] = s.xy.v[v] = s.xn.v[v] = s.yx.v[v] = s.yy.v[v] = s.yn.v[v] = 0;
+  }
+#if OWN_TABLES
+  ROLLED for (int jx = 0; jx < CELLS; ++jx) {
+    const int end = c->to[jx], here = jx * CELLS + iy;
+    global const side *column = influence->table + PAD_OWN_INFLUENCE * abs(ix - jx) * (CELLS + 1), *t;
+    if (jx == ix + 1) TURN_X(s);
+    int j = c->from[jx];
+    t = column + PAD_OWN_INFLUENCE * (here - j);
+    ROLLED for (; j < end && j <= here; ++j, t -= PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
+    if (j == end) continue;
+    TURN_Y(s);
+    t = column + PAD_OWN_INFLUENCE * (j - here);
+    ROLLED for (; j < end; ++j, t += PAD_OWN_INFLUENCE) add_products(t, c, j, &s);
+    TURN_Y(s);
+  }
+  if (ix < CELLS - 1) TURN_X(s);
+#else
+  global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
+  ROLLED for (int k = 0; k < c->listed; ++k) add_products(row + c->at[k], c, c->list[k], &s);
+#endif
+  EACH_VECTOR(v) {
+    x->v[v] = s.xx.v[v] + s.xy.v[v] - s.xn.v[v];
+    y->v[v] = s.yx.v[v] + s.yy.v[v] - s.yn.v[v];
+    z->v[v] = -(s.zn.v[v] + s.zx.v[v] + s.zy.v[v]);
+  }
+}
+
+/* Cells in the window of any of these lanes, in the order of their index. */
+static void list_cells(const Masks *lanes, Cells *c) {
+  int listed = 0;
+  for (int x = 0; x < CELLS; ++x) {
+    int from = 0, to = 0;
+    for (int i = x * CELLS; i < (x + 1) * CELLS; ++i) {
+      vint any = c->window[i].v[0] & lanes->v[0];
+      for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v] & lanes->v[v];
+      const int found = ANY(any);
+      c->list[listed] = i;
+      c->at[listed] = PAD_INFLUENCE * (x * SPAN + i - x * CELLS);
+      listed += found;
+      from = found && to == 0 ? i : from;
+      to = found ? i + 1 : to;
+    }
+    c->from[x] = from;
+    c->to[x] = to;
+  }
+  c->listed = listed;
+}
+
+static inline int any_of(const Masks *m) {
+  vint any = m->v[0];
+  for (int v = 1; v < VECTORS; ++v) any |= m->v[v];
+  return ANY(any);
+}
+
+#if STEPPED
+/* Adds to a cell's displacement what it gives way on its own. */
+static inline void add_own(const Cells *c, int i, Lanes *x, Lanes *y, Lanes *z) {
+  EACH_VECTOR(v) {
+    x->v[v] += c->soft[i].v[v] * c->tx[i].v[v];
+    y->v[v] += c->soft[i].v[v] * c->ty[i].v[v];
+    z->v[v] -= c->soft[i].v[v] * c->n[i].v[v];
+  }
+}
+#endif
+
+#endif

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Gauss-Seidel sweeps over the cells in the window, and fresh sums beyond it. Device only. */
+#ifndef TACTEL_PAD_SWEEP_H
+#define TACTEL_PAD_SWEEP_H
+#include "pad/cells.h"
+
+#define RELAXATION ((real)0.85)
+#define DAMPED_AFTER 300
+
+/* One sweep over the window. A lane whose tractions changed by no more than the tolerance has settled. */
+OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State *s) {
+  Lanes change, largest, w;
+  EACH_VECTOR(v) {
+    change.v[v] = largest.v[v] = 0;
+    w.v[v] = PICK(s->trial_sweeps.v[v] >= ALL_LANES(DAMPED_AFTER), ALL_LANES(RELAXATION / 2), ALL_LANES(RELAXATION));
+    const vreal more = PICK(s->active.v[v], ALL_LANES(1), ALL_LANES(0));
+    s->sweeps.v[v] += more;
+    s->trial_sweeps.v[v] += more;
+  }
+  ROLLED for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    Lanes ux, uy, uz;
+    displacement(influence, c, i / CELLS, i % CELLS, &ux, &uy, &uz);
+#if STEPPED
+    add_own(c, i, &ux, &uy, &uz);
+#endif
+    EACH_VECTOR(v) {
+#if STEPPED
+      const vreal step = w.v[v] * c->per_own[i].v[v];
+#else
+      const vreal step = w.v[v];
+#endif
+      const vint mine = s->active.v[v] & c->window[i].v[v];
+      const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
+      const vreal n = LARGER(fma(step, uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
+      vreal x = fma(step, c->gx[i].v[v] - ux.v[v], x0), y = fma(step, c->gy[i].v[v] - uy.v[v], y0);
+      const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+      const vint slips = q > cone * cone;
+      const vreal shorter = cone / sqrt(q);
+      x = PICK(slips, x * shorter, x);
+      y = PICK(slips, y * shorter, y);
+      c->n[i].v[v] = PICK(mine, n, n0);
+      c->tx[i].v[v] = PICK(mine, x, x0);
+      c->ty[i].v[v] = PICK(mine, y, y0);
+      const vreal dt = LARGER(fabs(x - x0), fabs(y - y0)), most = LARGER(fabs(n - n0), dt);
+      change.v[v] = PICK(mine, LARGER(most, change.v[v]), change.v[v]);
+      largest.v[v] = PICK(mine, LARGER(n, largest.v[v]), largest.v[v]);
+    }
+  }
+  Masks left;
+  EACH_VECTOR(v) {
+    const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
+    const vreal usual = ALL_LANES((real)most_sweeps),
+                most = PICK(s->lost.v[v], SMALLER(usual, ALL_LANES(DAMPED_AFTER)), usual);
+    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= most);
+    s->failed.v[v] |= out;
+    left.v[v] = s->active.v[v] & (settled | out);
+    s->active.v[v] &= NOT(settled | out);
+  }
+  if (any_of(&left)) list_cells(&s->active, c);
+}
+
+/* Fresh sums at all cells, or at those nearby, by those of all lanes. Cells of lanes that solve which are penetrated outside their window
+   join it; these lanes go on. */
+OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
+  Masks all;
+  EACH_VECTOR(v) { all.v[v] = ~(vint)0; }
+  list_cells(&all, c);
+  ROLLED for (int k = 0; k < SUMMED(c); ++k) {
+    const int i = CELL_SUMMED(c, k);
+    displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
+#if STEPPED
+    add_own(c, i, &c->ux[i], &c->uy[i], &c->uz[i]);
+#endif
+  }
+  ROLLED for (int k = 0; k < SUMMED(c); ++k) EACH_VECTOR(v) {
+    const int i = CELL_SUMMED(c, k);
+    const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
+    const vint joins = solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) &
+                       (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v])
+#if STEPPED
+                       & c->near[i].v[v]
+#endif
+        ;
+    c->window[i].v[v] |= joins;
+    s->active.v[v] |= joins;
+  }
+}
+
+static vreal pressing(const Influence *influence, const Cells *c, int v) {
+  vreal sum = 0;
+  for (int k = 0; k < c->listed; ++k) sum += c->n[c->list[k]].v[v];
+  return sum * (influence->hx * influence->hy / influence->root_zz);
+}
+
+#endif

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Rows of the arrays of kernels/pad_step.cl. Lengths are over the thickness H, forces over E H^2, except in results. */
+#ifndef TACTEL_PAD_STEP_LAYOUT_H
+#define TACTEL_PAD_STEP_LAYOUT_H
+
+/* Rows of `input`, [group][vector][STEP_INPUT_ROWS][lane]. */
+enum PadStepInputRow {
+  STEP_MU = 0,
+  STEP_AXIS_X, /* the object's axis on the pad, about which twist and torque are */
+  STEP_AXIS_Y,
+  STEP_TO, /* four rows: depth, x, y, twist (rad) after the step; or the wrench P, Qx, Qy, M about the axis */
+  STEP_INPUT_ROWS = STEP_TO + 4
+};
+
+/* Rows of `state`, [group][vector][STEP_FIELDS cells + STEP_NUMBERS][lane]: first fields, [field][cell], as
+   kernels/pad/cells.h scales them. Zeros: a contact that nothing has touched. */
+enum PadStepField {
+  STEP_N = 0,
+  STEP_TX,
+  STEP_TY,
+  STEP_N_LAST,
+  STEP_TX_LAST,
+  STEP_TY_LAST,
+  STEP_GX,
+  STEP_GY,
+  STEP_UZ, /* STEP_UNKNOWN: the cell was far from the indenter, it and the history are to be summed */
+  STEP_FIELDS
+};
+enum PadStepNumber {
+  STEP_POSE = 0,               /* four: depth, x, y, twist */
+  STEP_CHANGE = STEP_POSE + 4, /* four: of the last step; the twist times the half size of the grid */
+  STEP_MARK = STEP_CHANGE + 4, /* of heights, covers and mu */
+  STEP_POWER,                  /* of the force over the depth */
+  STEP_WAY,                    /* three: the wrench's last change, x, y, torque over the half size */
+  STEP_INVERSE = STEP_WAY + 3, /* nine: motion by force, the same three */
+  STEP_NUMBERS = STEP_INVERSE + 9
+};
+#define STEP_UNKNOWN 1e30f
+
+/* A result, `result`, [contact][STEP_RESULT_ROWS]. */
+enum PadStepResultRow {
+  STEP_RESULT_P = 0, /* N */
+  STEP_RESULT_QX,
+  STEP_RESULT_QY,
+  STEP_RESULT_M,     /* N mm about the axis */
+  STEP_RESULT_DEPTH, /* mm */
+  STEP_RESULT_X,
+  STEP_RESULT_Y,
+  STEP_RESULT_TWIST, /* rad */
+  STEP_RESULT_S,
+  STEP_RESULT_STICK,  /* share of the touching cells that stick */
+  STEP_RESULT_TOUCH,  /* cells that touch */
+  STEP_RESULT_FLAGS,  /* sum of PadStepFlag */
+  STEP_RESULT_SOLVES, /* poses that were solved */
+  STEP_RESULT_SWEEPS,
+  STEP_RESULT_RESIDUAL, /* largest, as fem/pad/pad_contact.h */
+  STEP_RESULT_ROWS
+};
+enum PadStepFlag {
+  STEP_OPEN = 1,    /* no cell touches */
+  STEP_SLIDES = 2,  /* every cell that touches slips, or the wrench is beyond what friction bears */
+  STEP_UNMET = 4,   /* the wrench was not met, or the sweeps did not settle */
+  STEP_EDGE = 8,    /* an outermost cell touches */
+  STEP_INVALID = 16 /* numbers that are no input: the contact stays as it was */
+};
+
+/* Rows of stresses that kernel pad_frames sums at once. */
+enum { STEP_FRAME_BLOCK = 8 };
+
+#endif

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steps of contacts with a pad in the Python package, against whole paths, by wrench and by gaps, and from a state."""
+
+import unittest
+
+import numpy as np
+import tactel
+
+PAD = tactel.Pad(tactels=(4, 3), pitch=(1.0, 1.5), thickness=2.0, young=1.0)
+MU = np.array([0.3, 0.5, 0.8])
+
+
+def ball(count=3, friction=MU, **options):
+    steps = tactel.PadStepper(PAD, count, friction, cells=12, cell=0.4, **options)
+    steps.shapes(tactel.Sphere(8.0))
+    return steps
+
+
+class Steps(unittest.TestCase):
+    def test_steps_are_close_to_the_path(self):
+        poses = [(0.25, 0.05 * k, 0.02 * k, 0.5 * k) for k in range(1, 5)]
+        load = tactel.Press(0.25).drag_to([pose[1:3] for pose in poses], twist=[pose[3] for pose in poses])
+        steps = ball()
+        for k in (1, 2, 3, 4):
+            steps.move([0.25 * k / 4, 0, 0, 0])
+        found = [steps.move(pose, travel=False) for pose in poses]
+        for i, mu in enumerate(MU):
+            path = tactel.solve(tactel.Scene(PAD, tactel.PadIndenter(tactel.Sphere(8.0)), friction=mu, load=load))
+            S = np.array([out.slip_index[i] for out in found])
+            np.testing.assert_allclose(S, path.slip_index[1:], atol=0.02)  # seven cells across
+            P = np.array([out.force[i, 0] for out in found])
+            np.testing.assert_allclose(P, path.P[1:], rtol=0.04)
+
+    def test_a_wrench_is_met_and_held(self):
+        steps = ball()
+        steps.press([0.5, 0, 0, 0])
+        wrench = np.array([(0.5, 0.5 * mu * 0.6, 0, 0.01) for mu in MU])
+        out = steps.press(wrench)
+        np.testing.assert_allclose(out.force[:, :3], wrench[:, :3], atol=2.1e-3 * 0.5)
+        self.assertFalse((out.flags & (steps.UNMET | steps.OPEN | steps.SLIDES)).any())
+        again = steps.press(wrench)
+        np.testing.assert_array_equal(again.slip_index, out.slip_index)
+        np.testing.assert_array_equal(again.solves, 0)
+        self.assertTrue((steps.press([0, 0, 0, 0]).flags == steps.OPEN).all())
+
+    def test_gaps_are_those_of_a_shape(self):
+        by_shape, by_gaps = ball(), tactel.PadStepper(PAD, 3, MU, cells=12, cell=0.4)
+        height = 8 - np.sqrt(64 - by_gaps.cell_x**2 - by_gaps.cell_y**2)
+        last = np.zeros(3)
+        for depth, x in ((0.1, 0), (0.2, 0), (0.2, 0.05), (0.2, 0.1)):
+            a = by_shape.move([depth, x, 0, 0], travel=False)
+            b = by_gaps.move(gaps=np.tile(height - depth, (3, 1)), motion=np.array([x, 0, 0]) - last)
+            last = np.array([x, 0, 0])
+            np.testing.assert_allclose(b.force[:, :3], a.force[:, :3], atol=1e-4)  # fp32 heights
+            np.testing.assert_allclose(b.slip_index, a.slip_index, atol=2e-3)
+
+    def test_shapes_travel(self):
+        steps = ball()
+        steps.shapes(tactel.Sphere(4.0))
+        for k in range(1, 5):
+            steps.move([0.025 * k, 0, 0, 0])
+        for k in range(20):  # far past sliding
+            out = steps.move([0.1, 0.05 * k, 0, 0])
+        pressure = steps.tractions()[:, 0]
+        middle = (pressure @ steps.cell_x) / pressure.sum(1)
+        np.testing.assert_allclose(middle, 0.95, atol=0.1)  # a quarter of a cell
+        self.assertTrue((out.flags & steps.SLIDES).all())
+
+    def test_frames_sum_to_the_pressure_of_a_wide_array(self):
+        wide = tactel.Pad(tactels=(32, 32), pitch=0.75, thickness=2.0, young=1.0)
+        steps = tactel.PadStepper(wide, 1, 0.5, cells=12, cell=0.4)
+        steps.shapes(tactel.Sphere(8.0))
+        steps.press([0.5, 0, 0, 0])
+        out = steps.press([0.5, 0.1, -0.05, 0])
+        sums = out.frames.reshape(3, -1).sum(1) * 0.75**2  # MPa times mm^2
+        np.testing.assert_allclose(sums, [-0.5, 0.1, -0.05], atol=3e-3)  # what the rubber beyond the array bears
+
+    def test_a_state_goes_on(self):
+        steps, other = ball(), ball(2, MU[[2, 0]])
+        steps.press([0.5, 0, 0, 0])
+        steps.press([0.5, 0.05, 0, 0])
+        other.set_state(steps.state([2, 0]))
+        a, b = steps.press([0.5, 0.1, 0, 0]), other.press([0.5, 0.1, 0, 0])
+        np.testing.assert_array_equal(b.force, a.force[[2, 0]])
+        np.testing.assert_array_equal(b.frames, a.frames[[2, 0]])
+        steps.reset([True, False, True])
+        flags = steps.press([[0.5, 0.1, 0, 0], [0, 0, 0, 0], [0.5, 0, 0, 0]]).flags
+        self.assertEqual(flags[1], steps.OPEN)
+
+    def test_frames_belong_to_the_last_step(self):
+        steps = ball()
+        out = steps.press([0.5, 0, 0, 0])
+        self.assertEqual(out.frames.shape, (3, 36))
+        self.assertEqual(out.frames.dtype, np.float32)
+        self.assertTrue(hasattr(out.frames, "__dlpack__") or np.__version__ < "1.23")
+        steps.press([0.4, 0, 0, 0])
+        with self.assertRaisesRegex(tactel.InputError, "before the next step"):
+            out.frames
+
+    def test_what_is_wrong_is_said(self):
+        with self.assertRaisesRegex(tactel.InputError, "free"):
+            tactel.PadStepper(PAD, 3, MU, sides="free")
+        with self.assertRaisesRegex(tactel.InputError, "friction"):
+            tactel.PadStepper(PAD, 2, MU)
+        steps = ball()
+        for wrong in (lambda: steps.press(np.zeros((2, 4))), lambda: steps.move(), lambda: steps.set_state(np.zeros((3, 7))),
+                      lambda: steps.shapes([tactel.PadIndenter(tactel.Sphere(8))] * 2), lambda: steps.reset([True]),
+                      lambda: steps.press([1, 0, 0, 0], cover=np.ones(144)), lambda: steps.state([7])):
+            with self.assertRaises(tactel.InputError):
+                wrong()
+        out = steps.press([[0.5, 0, 0, 0], [np.nan, 0, 0, 0], [0.5, 0, 0, 0]])
+        self.assertEqual(list((out.flags & steps.INVALID) != 0), [False, True, False])
+
+
+if __name__ == "__main__":
+    unittest.main()
