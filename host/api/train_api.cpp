@@ -123,20 +123,37 @@ Errors Network::learning_errors() const {
   return {errors.max, errors.mean, errors.std, errors.count};
 }
 
+namespace {
+
+/// The rows of a set as its networks see them.
+nn::FrameSet shown(const Set& set, const std::string& name, const host::TrainingPlan& plan) {
+  host::NamedSet named{name, api::to_host(set), {}};
+  named.rows = host::answered_rows(named.contacts, name, plan.target);
+  host::check_learnable(named.rows, name);
+  host::check_width(plan, named);
+  return host::shown_rows(named.rows.frames, plan.history, plan.magnitude, name);
+}
+
+}  // namespace
+
+LearningRows learning_rows(const Set& set, const TrainOptions& options) {
+  return api::with_public_errors([&] {
+    host::TrainingPlan plan = host::plan_of(request_of(options));
+    plan.topologies.clear();
+    const nn::FrameSet rows = shown(set, options.name, plan);
+    return LearningRows{static_cast<std::size_t>(rows.frames.cols()),
+                        {rows.frames.data(), rows.frames.data() + rows.frames.size()},
+                        {rows.slip_index.begin(), rows.slip_index.end()}};
+  });
+}
+
 std::vector<Network> train(const Set& set, const TrainOptions& options, const ProgressFunction& progress) {
   std::vector<nn::Model> models = api::with_public_errors([&] {
     const host::TrainRequest request = request_of(options);
     host::TrainingPlan plan = host::plan_of(request);
-    const auto shown = [&](const Set& rows, const std::string& name) {
-      host::NamedSet named{name, api::to_host(rows), {}};
-      named.rows = host::answered_rows(named.contacts, name, plan.target);
-      host::check_learnable(named.rows, name);
-      host::check_width(plan, named);
-      return host::shown_rows(named.rows.frames, plan.history, plan.magnitude, name);
-    };
-    const nn::FrameSet frames = shown(set, options.name);
+    const nn::FrameSet frames = shown(set, options.name, plan);
     if (options.validation != nullptr)
-      plan.validation = std::make_shared<nn::FrameSet>(shown(*options.validation, "validation"));
+      plan.validation = std::make_shared<nn::FrameSet>(shown(*options.validation, "validation", plan));
     return options.precision == "fp64" ? trained<double>(frames, plan, options, progress)
                                        : trained<float>(frames, plan, options, progress);
   });

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/sweep.h>
+#include <tactel/train.h>
 
 #include <memory>
 #include <utility>
+#include <variant>
 
 #include "host/python/bindings.h"
 
@@ -78,6 +79,27 @@ class Batches {
   bool whole_;
 };
 
+py::tuple inputs_of(const Set& set, const std::variant<int, std::string>& history, std::optional<double> history_change,
+                    const std::string& reference, std::string target, bool friction) {
+  if (!reference.empty() && reference != "rest") throw InputError("reference", reference, "rest, or leave it out");
+  TrainOptions options;
+  if (const int* frames = std::get_if<int>(&history))
+    options.history = *frames == 1 ? "" : std::to_string(*frames);
+  else
+    options.history = std::get<std::string>(history);
+  options.history_change = history_change;
+  options.scaling = reference.empty() ? "set" : "rest";
+  options.target = std::move(target), options.friction = friction;
+  LearningRows rows;
+  {
+    const py::gil_scoped_release released;
+    rows = learning_rows(set, options);
+  }
+  const auto count = static_cast<py::ssize_t>(rows.target.size());
+  return py::make_tuple(py::array_t<float>({count, static_cast<py::ssize_t>(rows.inputs)}, rows.frames.data()),
+                        py::array_t<float>(count, rows.target.data()));
+}
+
 void bind_set(py::module_& m) {
   py::class_<Set>(m, "Set", "Frames with their answers, one row a load step. Arrays are views without copies.")
       .def(py::init(&set_of), "frames"_a, "slip_index"_a,
@@ -90,6 +112,12 @@ void bind_set(py::module_& m) {
             return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
           },
           "[rows, axes tactels] MPa: normal stresses (compression < 0), then shear")
+      .def(
+          "inputs", &inputs_of, py::kw_only(), "history"_a = 1, "history_change"_a = py::none(), "reference"_a = "",
+          "target"_a = "slip_index", "friction"_a = false,
+          "Returns what networks learn from: inputs [rows, numbers] MPa, and targets [rows]. history: frames of a row, "
+          "the newest first, or \"K:STRIDE\". reference: \"rest\" puts the rest of the grip behind them. friction: two "
+          "more numbers, mu and its spread as told. As of train().")
       .def_readonly("axes", &Set::axes, "stresses of a tactel: 2; of a pad 3, or 1")
       .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
       .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm; of pads N")

@@ -101,6 +101,16 @@ class TACTEL_API Network {
   State* state_;
 };
 
+/// What train() learns from, for networks of other programs.
+struct LearningRows {
+  std::size_t inputs = 0;     ///< numbers of a row: frames, the newest first, then the rest, then what is told of mu
+  std::vector<float> frames;  ///< [rows, inputs] MPa, before scaling and features
+  std::vector<float> target;  ///< [rows] S, or the target of the options
+};
+/// Returns the rows of a set as train() takes them for these options: by history, rest, friction and target. Throws
+/// InputError as train().
+TACTEL_API LearningRows learning_rows(const Set& set, const TrainOptions& options);
+
 /// Trains networks on a set: every topology, noise and seed, in this order, seeds fastest. A network that diverges has
 /// no entry. Throws InputError for options or a set that cannot be used, HardwareError, and Cancelled where progress
 /// (weight updates of the most possible) says so.
