@@ -31,7 +31,7 @@ MUTANTS = [
     ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
     ("fem/pad/pad_search.cpp", "indenter.yaw += indenter.tilt_direction;", "indenter.yaw -= indenter.tilt_direction;", "pad",
-     "PadLayout.ATiltedPunchKeepsItsForces"),
+     "PadLayout.ATiltedPunchMayBeTurned"),
     ("fem/pad/slip_margin.cpp", "wrench[2] - (centre[0]", "wrench[2] + (centre[0]", "pad", "SlipMargin.DoesNotDependOnThePoint"),
     ("nn/train_batch.cpp", "std::pow(options.beta2, t)", "std::pow(options.beta2, 2 * t)", "nn", "TrainBatch.AdamsFirstStep"),
     ("nn/train_online.cpp", "step *= Scalar(options.momentum);", "step *= Scalar(options.rate);", "nn", "TrainOnline.FollowsTheRule"),

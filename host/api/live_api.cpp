@@ -277,7 +277,14 @@ LiveEstimator::~LiveEstimator() { delete state_; }
 std::size_t LiveEstimator::inputs() const noexcept { return state_->inputs; }
 std::size_t LiveEstimator::sensors() const noexcept { return state_->sensors; }
 std::string LiveEstimator::device() const { return state_->device; }
-void LiveEstimator::friction(float mu, float spread) { state_->estimator->friction(mu, spread); }
+void LiveEstimator::friction(float mu, float spread) {
+  for (std::size_t sensor = 0; sensor < sensors(); ++sensor) state_->estimator->friction(sensor, mu, spread);
+}
+float LiveEstimator::slides(std::size_t sensor) {
+  if (sensor >= sensors())
+    throw InputError("sensor", std::to_string(sensor), "one of 0 to " + std::to_string(sensors() - 1));
+  return state_->estimator->slides(sensor);
+}
 void LiveEstimator::rest() { state_->estimator->rest(); }
 void LiveEstimator::clear() { state_->estimator->clear(); }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tactel/pad.h>
 
+#include <nlohmann/json.hpp>
+
+#include "host/answers/answer_json.h"
 #include "host/answers/answer_page.h"
+#include "host/answers/convergence.h"
 #include "host/api/api_errors.h"
 #include "host/api/outcome.h"
 #include "host/figures/contact_figure.h"
@@ -9,6 +13,7 @@
 #include "host/figures/vtu.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
+#include "host/support/json_text.h"
 
 namespace tactel {
 namespace {
@@ -35,6 +40,26 @@ std::string page_of(const auto& path, std::optional<std::size_t> step) {
   });
 }
 
+template <class Kind>
+std::string json_of(const auto& path) {
+  return api::with_public_errors([&] { return host::json_text(host::to_json(answer_of<Kind>(path))); });
+}
+
+template <class Kind>
+Convergence convergence_of(const auto& path, std::optional<std::size_t> step) {
+  return api::with_public_errors([&] {
+    const auto& outcome = answer_of<Kind>(path);
+    const host::Convergence found =
+        host::converge(outcome, checked(step, outcome, host::telling_step(outcome.solution)));
+    Convergence given{.step = found.step};
+    for (const auto& rung : found.rungs) given.h.push_back(rung.h);
+    for (const auto& number : found.quantities)
+      given.numbers.push_back({number.name, number.unit, number.answer, number.fit.limit, number.fit.uncertainty,
+                               number.fit.order, number.values});
+    return given;
+  });
+}
+
 void write(const std::string& file, const std::string& text) {
   api::with_public_errors([&] { host::write_file("file", file, text); }, file);
 }
@@ -51,6 +76,14 @@ Outcome& Outcome::operator=(const Outcome& other) {
 
 std::string html(const Path& path, std::optional<std::size_t> step) { return page_of<host::SolveOutcome>(path, step); }
 std::string html(const PadPath& path, std::optional<std::size_t> step) { return page_of<host::PadOutcome>(path, step); }
+std::string json(const Path& path) { return json_of<host::SolveOutcome>(path); }
+std::string json(const PadPath& path) { return json_of<host::PadOutcome>(path); }
+Convergence converge(const Path& path, std::optional<std::size_t> step) {
+  return convergence_of<host::SolveOutcome>(path, step);
+}
+Convergence converge(const PadPath& path, std::optional<std::size_t> step) {
+  return convergence_of<host::PadOutcome>(path, step);
+}
 void to_html(const Path& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, html(path, step));
 }

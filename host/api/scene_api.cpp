@@ -6,6 +6,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/scenes/scene_file.h"
+#include "host/scenes/scene_toml.h"
 #include "host/support/errors.h"
 
 namespace tactel {
@@ -93,6 +94,12 @@ std::variant<Scene, PadScene> read_any_scene(const std::string& path) {
 
 void validate(const Scene& scene) {
   api::with_public_errors([&] { api::to_fem(scene).validate(); });
+}
+std::string toml(const Scene& scene) {
+  return api::with_public_errors([&] { return host::scene_toml(api::to_fem(scene)); });
+}
+std::string toml(const PadScene& scene) {
+  return api::with_public_errors([&] { return host::scene_toml(api::to_fem(scene)); });
 }
 void validate(const PadScene& scene) {
   api::with_public_errors([&] { api::to_fem(scene).validate(); });

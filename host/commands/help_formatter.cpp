@@ -72,12 +72,12 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
      "--source --profile --calibration --seconds --late --drift --stream --rows --block --scene --candidates "
      "--presses --noise --target --magnitude --without-force --scenes --seed --pads --quick "},
     {"Output",
-     "--output --html --json --no-floor --plot --field --step --derivatives --view --every --frames --columns "
+     "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --stresses --every --frames --columns "
      "--compress --recall "
      "--resume --force --checkpoint-seconds "},
     {"Network",
-     "--network --history --history-change --friction --friction-spread --scaling --features --largest-stress "
-     "--activation --bound --bound-set "
+     "--network --history --history-change --friction --friction-spread --friction-drift --scaling --features "
+     "--largest-stress --activation --bound --bound-set "
      "--level "},
     {"Learning",
      "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --warm-up --momentum "

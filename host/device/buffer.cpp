@@ -8,6 +8,7 @@
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 #include "host/device/built_programs.h"
 
@@ -36,7 +37,6 @@ struct RawBuffer::State {
   Device device;
   std::unique_ptr<void, FreeAligned> host;  ///< zero copy: what kernels work on; freed after the buffer below
   cl::Buffer buffer;
-  cl::CommandQueue queue;  ///< of all transfers; none with zero copy
   std::uint64_t id;
   std::size_t bytes;
 
@@ -50,16 +50,15 @@ struct RawBuffer::State {
     } else {
       auto& memory = device.built_programs().memory;
       const std::lock_guard lock(memory.mutex);
-      if (!memory.queue()) memory.queue = device.make_queue();
-      queue = memory.queue;
       if (auto spare = memory.spare.extract(bytes))
         buffer = std::move(spare.mapped()), memory.bytes -= bytes;
       else
         buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
-      if (device.poisons()) {
-        queue.enqueueFillBuffer(buffer, cl_uchar{0xff}, 0, bytes);
-        queue.finish();
-      }
+      if (device.poisons())
+        transfer([&](cl::CommandQueue& queue) {
+          queue.enqueueFillBuffer(buffer, cl_uchar{0xff}, 0, bytes);
+          queue.finish();
+        });
     }
   }
   ~State() {
@@ -76,6 +75,16 @@ struct RawBuffer::State {
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+
+  /// Calls `use` with the queue of transfers, one thread at a time: a blocking call of PoCL's `basic` returns although
+  /// its command waits for another thread's in the same queue.
+  template <class Use>
+  std::invoke_result_t<Use, cl::CommandQueue&> transfer(const Use& use) const {
+    auto& memory = device.built_programs().memory;
+    const std::lock_guard lock(memory.transfer);
+    if (!memory.queue()) memory.queue = device.make_queue();
+    return translated(device.info().name, [&] { return use(memory.queue); });
+  }
 };
 
 RawBuffer::RawBuffer(const Device& device, std::size_t bytes)
@@ -95,9 +104,9 @@ void RawBuffer::write(const void* from, std::size_t offset, std::size_t bytes) {
   if (state_->host)
     std::memcpy(static_cast<char*>(state_->host.get()) + offset, from, bytes);
   else
-    translated(state_->device.info().name, [&] {
-      state_->queue.enqueueWriteBuffer(state_->buffer, CL_TRUE, offset, bytes, from);
-      state_->queue.finish();  // a blocking write may return when `from` is copied: other queues would read the old
+    state_->transfer([&](cl::CommandQueue& queue) {
+      queue.enqueueWriteBuffer(state_->buffer, CL_TRUE, offset, bytes, from);
+      queue.finish();  // a blocking write may return when `from` is copied: other queues would read the old
     });
 }
 
@@ -107,8 +116,8 @@ void RawBuffer::read(void* to, std::size_t offset, std::size_t bytes) const {
   if (state_->host)
     std::memcpy(to, static_cast<const char*>(state_->host.get()) + offset, bytes);
   else
-    translated(state_->device.info().name,
-               [&] { state_->queue.enqueueReadBuffer(state_->buffer, CL_TRUE, offset, bytes, to); });
+    state_->transfer(
+        [&](cl::CommandQueue& queue) { queue.enqueueReadBuffer(state_->buffer, CL_TRUE, offset, bytes, to); });
 }
 
 void* RawBuffer::map(MapFor use) const {
@@ -116,16 +125,16 @@ void* RawBuffer::map(MapFor use) const {
   const cl_map_flags flags = use == MapFor::reading   ? CL_MAP_READ
                              : use == MapFor::writing ? CL_MAP_WRITE_INVALIDATE_REGION
                                                       : CL_MAP_READ | CL_MAP_WRITE;
-  return translated(state_->device.info().name, [&] {
-    return state_->queue.enqueueMapBuffer(state_->buffer, CL_TRUE, flags, 0, std::max<std::size_t>(bytes_, 1));
+  return state_->transfer([&](cl::CommandQueue& queue) {
+    return queue.enqueueMapBuffer(state_->buffer, CL_TRUE, flags, 0, std::max<std::size_t>(bytes_, 1));
   });
 }
 
 void RawBuffer::unmap(void* host) const {
   if (state_->host) return;
-  translated(state_->device.info().name, [&] {
-    state_->queue.enqueueUnmapMemObject(state_->buffer, host);
-    state_->queue.finish();
+  state_->transfer([&](cl::CommandQueue& queue) {
+    queue.enqueueUnmapMemObject(state_->buffer, host);
+    queue.finish();
   });
 }
 

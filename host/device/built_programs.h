@@ -19,8 +19,9 @@ struct BuiltPrograms {
 
   /// Of buffers that no launch holds any more, for the next, and the queue of all transfers. With memory of its own.
   struct {
-    std::mutex mutex;
+    std::mutex transfer;  ///< of the queue
     cl::CommandQueue queue;
+    std::mutex mutex;                              ///< of the next two
     std::multimap<std::size_t, cl::Buffer> spare;  ///< by bytes
     std::size_t bytes = 0;                         ///< of the spare ones
   } memory;

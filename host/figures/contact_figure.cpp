@@ -64,7 +64,7 @@ Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, co
   for (double& value : limit) value *= step.Q < 0 ? -scene.friction : scene.friction;
   Panel panel{.title = "On the surface, where it touches", .x_label = "x (mm)", .y_label = "traction (MPa)"};
   panel.series = {curve("pressure p", solution.surface_x, pressure, Mark::line, Ink::blue),
-                  curve("shear q", solution.surface_x, shear, Mark::line, Ink::orange),
+                  curve("shear q", solution.surface_x, shear, Mark::long_dashes, Ink::orange),
                   marked(solution, step, shear, GapStatus::stick), marked(solution, step, shear, GapStatus::slip)};
   if (std::isfinite(scene.friction))
     panel.series.push_back(curve(step.Q < 0 ? "-µp" : "µp", solution.surface_x, limit, Mark::dashed, Ink::grey));
@@ -87,7 +87,7 @@ Panel base_panel(const ContactSolution& solution, std::size_t shown) {
   const ContactStep& step = solution.steps[shown];
   Panel panel{.title = "At the tactels, under the rubber", .x_label = "x (mm)", .y_label = "stress (MPa)"};
   panel.series = {curve("σ_y", solution.tactel_x, list(step.sigma_y), Mark::line_dots, Ink::blue),
-                  curve("τ_{xy}", solution.tactel_x, list(step.tau_xy), Mark::line_dots, Ink::orange)};
+                  curve("τ_{xy}", solution.tactel_x, list(step.tau_xy), Mark::dash_triangles, Ink::orange)};
   if (const ContactStep* before = before_drag(solution, shown)) {
     panel.series.push_back(curve("before the drag", solution.tactel_x, list(before->sigma_y), Mark::dashed, Ink::grey));
     panel.series.push_back(curve("", solution.tactel_x, list(before->tau_xy), Mark::dashed, Ink::grey));
@@ -97,7 +97,7 @@ Panel base_panel(const ContactSolution& solution, std::size_t shown) {
 }
 
 Panel path_panel(const ContactSolution& solution, std::size_t shown) {
-  Series index{.label = "S = Q / µP", .mark = Mark::line_dots, .ink = Ink::purple};
+  Series index{.label = "S = Q / µP", .mark = Mark::line_dots, .ink = Ink::black};
   Series slipping{.label = "slipping share of the contact", .mark = Mark::line_dots, .ink = Ink::red};
   for (std::size_t k = 0; k < solution.steps.size(); ++k) {
     const ContactStep& step = solution.steps[k];

@@ -151,7 +151,8 @@ class PadFigure {
   Panel cut_panel() const {
     const int n = cells_.n,
               row = std::clamp(static_cast<int>(std::floor(n / 2.0 - cells_.y_middle / cells_.hy + 1e-6)), 0, n - 1);
-    Series pressure{.label = "pressure p", .ink = Ink::blue}, shear{.label = "shear |t|", .ink = Ink::orange},
+    Series pressure{.label = "pressure p", .ink = Ink::blue},
+        shear{.label = "shear |t|", .mark = Mark::long_dashes, .ink = Ink::orange},
         limit{.label = "µp", .mark = Mark::dashed, .ink = Ink::grey};
     Series stick{.label = "stick", .mark = Mark::circles, .ink = Ink::green},
         slip{.label = "slip", .mark = Mark::triangles, .ink = Ink::red};
@@ -176,7 +177,7 @@ class PadFigure {
   }
 
   Panel path_panel() const {
-    Series S{.label = "S", .mark = Mark::line_dots, .ink = Ink::purple},
+    Series S{.label = "S", .mark = Mark::line_dots, .ink = Ink::black},
         ratio{.label = "|Q| / µP", .mark = Mark::line_dots, .ink = Ink::orange},
         stick{.label = "part that sticks", .mark = Mark::line_dots, .ink = Ink::green};
     for (const PadStep& step : solution_.steps) {

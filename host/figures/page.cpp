@@ -107,14 +107,6 @@ std::string verdict_html(const std::string& headline, const std::vector<Finding>
   return out + "</ul></section>\n";
 }
 
-/// JSON that may stand inside a <script> element: no "<" ends it. Bytes that are no UTF-8 become U+FFFD.
-std::string script_json(const Json& data) {
-  const std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string out;
-  for (const char c : text) c == '<' ? out += "\\u003c" : out += c;
-  return out;
-}
-
 // ---- figures
 
 /// Six digits are more than a picture shows, and keep the page small.
@@ -130,8 +122,8 @@ Json range_json(const std::optional<std::pair<double, double>>& range) {
 }
 
 const char* name(Mark mark) {
-  constexpr const char* names[] = {"line",    "thin",     "dashed",    "dots", "circles", "triangles",
-                                   "crosses", "diamonds", "line_dots", "bars", "band",    "whiskers"};
+  constexpr const char* names[] = {"line",    "thin",     "dashed",    "long_dashes",    "dots", "circles", "triangles",
+                                   "crosses", "diamonds", "line_dots", "dash_triangles", "bars", "band",    "whiskers"};
   return names[static_cast<std::size_t>(mark)];
 }
 const char* name(Ink ink) {
@@ -273,12 +265,45 @@ void Page::contact(const fem::PadScene& scene, const fem::PadSolution& solution,
   drawing("pad", view.data, view.caption + (about.empty() ? "" : " " + about));
 }
 
+std::string script_json(const nlohmann::ordered_json& data) {
+  const std::string text = data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string out;
+  for (const char c : text) c == '<' ? out += "\\u003c" : out += c;
+  return out;
+}
+
 std::string page_style() { return std::string(page_files::sources().front().text); }
 
-std::string page_script() {
+namespace {
+
+/// The files of a script in their order, without those that `wanted` does not take.
+template <class Wanted>
+std::string script_of(const Wanted& wanted) {
   std::string out = "\"use strict\";\n(() => {\n";
-  for (const page_files::Source& source : page_files::sources().subspan(1)) out += source.text;
+  for (const page_files::Source& source : page_files::sources().subspan(1))
+    if (wanted(source.name)) out += source.text;
   return out + "})();\n";
+}
+
+}  // namespace
+
+std::string page_script() {
+  return script_of([](std::string_view name) { return name != "live.js"; });
+}
+
+std::string live_script() {
+  return script_of(
+      [](std::string_view name) { return name != "contact.js" && name != "pad.js" && name != "start.js"; });
+}
+
+std::string page_html(const std::string& title, const std::string& body, const std::string& script,
+                      const std::string& main) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body><main{2}>\n"
+      "{3}</main>\n<script>\n{4}</script>\n</body>\n</html>\n",
+      escaped(title), page_style(), main, body, script);
 }
 
 std::string Page::html() const {
@@ -288,13 +313,10 @@ std::string Page::html() const {
   const bool listed = sections_.size() > 1;
   const std::string contents = "<nav aria-label=\"sections\"><details open><summary>Contents</summary><ol>\n" + items +
                                "</ol></details></nav>\n";
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body><main{7}>\n"
-      "<h1>{0}</h1>\n<p class=\"subtitle\">{2}</p>\n{3}{4}{5}</main>\n<script>\n{6}</script>\n</body>\n</html>\n",
-      escaped(title_), page_style(), escaped(subtitle_), listed ? contents : "", verdict_html(headline_, findings_),
-      body_, page_script(), listed ? " class=\"listed\"" : "");
+  return page_html(title_,
+                   fmt::format("<h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}{}{}", escaped(title_), escaped(subtitle_),
+                               listed ? contents : "", verdict_html(headline_, findings_), body_),
+                   page_script(), listed ? " class=\"listed\"" : "");
 }
 
 }  // namespace tactel::host

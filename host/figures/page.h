@@ -88,8 +88,16 @@ std::string escaped(const std::string& text);
 /// Returns a figure as the script takes it; numbers have six digits, of rasters four, NaN is null.
 nlohmann::ordered_json to_json(const Figure& figure);
 
-/// Returns the style and the script of pages (host/figures/page/).
+/// Returns the style of pages, the script of reports, and that of live frames (host/figures/page/).
 std::string page_style();
 std::string page_script();
+std::string live_script();
+
+/// Returns a whole page around what its <main> holds. main: attributes of that, with a space in front.
+std::string page_html(const std::string& title, const std::string& body, const std::string& script,
+                      const std::string& main = "");
+
+/// Returns JSON that may stand inside a <script> element: no "<" ends it. Bytes that are no UTF-8 become U+FFFD.
+std::string script_json(const nlohmann::ordered_json& data);
 
 }  // namespace tactel::host

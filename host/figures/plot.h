@@ -12,8 +12,24 @@ namespace tactel::host {
 /// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional map. This header draws a
 /// figure as a file, a page draws it in the browser (page.h).
 
-/// `diamonds` are the numbers of the paper. Pages alone draw thin lines, dots, crosses, bars and whiskers.
-enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, diamonds, line_dots, bars, band, whiskers };
+/// `diamonds` are the numbers of the paper. Shear has long dashes, and triangles at tactels: its colour alone is too
+/// near to that of pressure for some eyes. Pages alone draw thin lines, dots, crosses, bars and whiskers.
+enum class Mark {
+  line,
+  thin,
+  dashed,
+  long_dashes,
+  dots,
+  circles,
+  triangles,
+  crosses,
+  diamonds,
+  line_dots,
+  dash_triangles,
+  bars,
+  band,
+  whiskers
+};
 
 /// Colours of series, distinguishable by the colour-blind.
 enum class Ink { blue, orange, green, purple, red, brown, grey, black };

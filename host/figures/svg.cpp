@@ -238,7 +238,7 @@ Axes axes_of(const Figure& f, const Panel& p) {
 
 string point(Mark kind, double x, double y, double r, const char* ink) {
   const string look = fmt::format("fill=\"{}\" stroke=\"#fff\" stroke-width=\"0.8\"", ink);
-  if (kind == Mark::triangles)
+  if (kind == Mark::triangles || kind == Mark::dash_triangles)
     return path(fmt::format("M{:.1f},{:.1f}l{:.1f},{:.1f}h{:.1f}Z", x, y - 1.25 * r, 1.15 * r, 2.1 * r, -2.3 * r),
                 look);
   if (kind == Mark::diamonds)
@@ -248,16 +248,24 @@ string point(Mark kind, double x, double y, double r, const char* ink) {
   return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>\n", x, y, r, look);
 }
 
-bool has_line(Mark mark) { return mark == Mark::line || mark == Mark::dashed || mark == Mark::line_dots; }
+bool has_line(Mark mark) {
+  return mark == Mark::line || mark == Mark::dashed || mark == Mark::long_dashes || mark == Mark::line_dots ||
+         mark == Mark::dash_triangles;
+}
 bool has_points(Mark mark) {
-  return mark == Mark::circles || mark == Mark::triangles || mark == Mark::diamonds || mark == Mark::line_dots;
+  return mark == Mark::circles || mark == Mark::triangles || mark == Mark::diamonds || mark == Mark::line_dots ||
+         mark == Mark::dash_triangles;
+}
+const char* dashes(Mark mark) {
+  if (mark == Mark::dashed) return " stroke-dasharray=\"5 4\"";
+  return mark == Mark::long_dashes || mark == Mark::dash_triangles ? " stroke-dasharray=\"11 3\"" : "";
 }
 
 /// Attributes of a line or a band.
 string look(const Series& s) {
   if (s.mark == Mark::band) return fmt::format("fill=\"{}\" fill-opacity=\"0.16\"", colour(s.ink));
   return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", colour(s.ink),
-                     s.mark == Mark::line ? 1.9 : 1.6, s.mark == Mark::dashed ? " stroke-dasharray=\"5 4\"" : "");
+                     s.mark == Mark::line || s.mark == Mark::long_dashes ? 1.9 : 1.6, dashes(s.mark));
 }
 
 class PanelPainter {
@@ -331,9 +339,9 @@ class PanelPainter {
   }
 
   string points_of(const Series& s) const {
-    if (s.mark == Mark::band || (has_line(s.mark) && s.mark != Mark::line_dots)) return "";
+    if (s.mark == Mark::band || (has_line(s.mark) && !has_points(s.mark))) return "";
     if (!has_points(s.mark)) throw PlotError("no file shows this mark; a page does");
-    const double r = s.mark == Mark::line_dots ? 2.8 : p_.mosaic ? 3.2 : 4;
+    const double r = has_line(s.mark) ? 2.8 : p_.mosaic ? 3.2 : 4;
     string out;
     for (std::size_t k = 0; k < std::min(s.x.size(), s.y.size()); ++k) {
       const double x = x_(s.x[k]), y = y_(s.y[k]);

@@ -2,12 +2,14 @@
 #include "host/live/live_estimator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <limits>
 #include <map>
 #include <optional>
 
 #include "host/networks/forward.h"
+#include "nn/infer/friction_reading.h"
 #include "nn/infer/network_file.h"
 #include "nn/infer/sensor_frames.h"
 
@@ -33,9 +35,8 @@ class HostEstimator final : public LiveEstimator {
       frames = frames.subspan(sensors_[i].inputs());
     }
   }
-  void friction(float mu, float spread) override {
-    for (SlipHistory& sensor : sensors_) sensor.friction(mu, spread);
-  }
+  void friction(std::size_t sensor, float mu, float spread) override { sensors_[sensor].friction(mu, spread); }
+  float slides(std::size_t sensor) override { return sensors_[sensor].slides(); }
   void rest() override {
     for (SlipHistory& sensor : sensors_) sensor.rest();
   }
@@ -83,8 +84,17 @@ class SharedLaunch {
     sensors_[row].frames.push(frame);
     sensors_[row].frames.write(inputs_.row(static_cast<Eigen::Index>(row)).data());
   }
-  void friction(float mu, float spread) {
-    for (Sensor& sensor : sensors_) sensor.frames.friction(mu, spread);
+  void friction(std::size_t row, float mu, float spread) {
+    sensors_[row].frames.friction(mu, spread);
+    sensors_[row].friction.forget();
+  }
+  float slides(std::size_t row) {
+    Sensor& sensor = sensors_[row];
+    const float* const input = inputs_.row(static_cast<Eigen::Index>(row)).data();
+    std::vector<float> told(input, input + inputs_.cols());
+    const float mu = sensor.friction.next(sensor.on_host, sensor.learnt, told);
+    if (!std::isnan(mu)) sensor.frames.friction(mu, infer::FrictionReading::spread);
+    return mu;
   }
   void rest() {
     for (Sensor& sensor : sensors_) sensor.frames.rest();
@@ -129,7 +139,7 @@ class SharedLaunch {
       sensors_.push_back(
           {static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
            infer::SensorFrames(network->scaling, network->history, network->learnt, stresses, touch[sensors_.size()]),
-           network->learnt, network->scaling.normals(stresses)});
+           network->learnt, network->scaling.normals(stresses), infer::estimator_of(*network)});
     }
     run();  // compiles, and has the answers' memory
   }
@@ -138,7 +148,9 @@ class SharedLaunch {
     std::size_t network;  ///< among those of the launch
     infer::SensorFrames frames;
     nn::Learnt learnt;
-    int normals;  ///< of the newest frame
+    int normals;            ///< of the newest frame
+    SlipEstimator on_host;  ///< the network, with the same bits
+    infer::FrictionReading friction{};
   };
   Forward<float> forward_;
   nn::RowMatrix<float> inputs_;  ///< [sensors][inputs] MPa
@@ -173,9 +185,10 @@ class DeviceEstimator final : public LiveEstimator {
     for (SharedLaunch& launch : launches_) launch.run();
     for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = launches_[*places_[i].launch].answer(places_[i].row);
   }
-  void friction(float mu, float spread) override {
-    for (SharedLaunch& launch : launches_) launch.friction(mu, spread);
+  void friction(std::size_t sensor, float mu, float spread) override {
+    launches_[*places_[sensor].launch].friction(places_[sensor].row, mu, spread);
   }
+  float slides(std::size_t sensor) override { return launches_[*places_[sensor].launch].slides(places_[sensor].row); }
   void rest() override {
     for (SharedLaunch& launch : launches_) launch.rest();
   }

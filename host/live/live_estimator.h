@@ -18,8 +18,10 @@ class LiveEstimator {
   /// Takes the next frame of every sensor: [sensors][inputs of one frame] MPa, as SlipHistory::estimate. answers:
   /// [sensors]. Allocates nothing.
   virtual void estimate(std::span<const float> frames, std::span<Answer> answers) = 0;
-  /// As SlipHistory::friction, of every sensor whose network takes it.
-  virtual void friction(float mu, float spread) = 0;
+  /// As SlipHistory::friction, of one sensor.
+  virtual void friction(std::size_t sensor, float mu, float spread) = 0;
+  /// As SlipHistory::slides, of the newest frame of one sensor.
+  virtual float slides(std::size_t sensor) = 0;
   /// Seeks the rest of every sensor anew from the next frame on.
   virtual void rest() = 0;
   /// Forgets all frames.

@@ -10,6 +10,7 @@
 
 #include "host/live/frame_reader.h"
 #include "host/support/errors.h"
+#include "nn/infer/friction_reading.h"
 #include "nn/infer/network_file.h"
 
 namespace tactel::host {
@@ -155,8 +156,8 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
   if (!networks.empty()) estimator_ = device ? device_estimator(*device, models, touch) : host_estimator(models, touch);
   if (device) summary_.device = device->info().name;
-  if (estimator_ && options.friction > 0)
-    estimator_->friction(static_cast<float>(options.friction), static_cast<float>(options.friction_spread));
+  for (std::size_t i = 0; i < sensors_.size() && estimator_ && options.friction > 0; ++i)
+    estimator_->friction(i, static_cast<float>(options.friction), static_cast<float>(options.friction_spread));
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
                                  !map_.shear_y.empty());
@@ -231,12 +232,37 @@ void LiveMonitor::refresh() {
   summary_.transport = source_->counts();
 }
 
+/// The share of a reading in what is known of mu falls as the earlier one grows old; it begins at a half.
+void LiveMonitor::read_friction(const MonitorEvents& events, double now) {
+  std::vector<float> known;
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    Sensor& sensor = sensors_[i];
+    const float read = estimator_->slides(i), spread = infer::FrictionReading::spread;
+    if (!std::isnan(read)) {
+      const float before = trust(sensor, now), share = before * before / (before * before + spread * spread);
+      sensor.friction = sensor.friction > 0 ? sensor.friction * std::pow(read / sensor.friction, share) : read;
+      sensor.read_at = now;
+    }
+    known.push_back(std::isnan(read) ? read : sensor.friction);
+  }
+  if (events.friction) events.friction(known);
+}
+
+float LiveMonitor::trust(const Sensor& sensor, double now) const {
+  const double minutes = (now - sensor.read_at) / 60;
+  return static_cast<float>(std::hypot(infer::FrictionReading::spread, options_.friction_drift * std::sqrt(minutes)));
+}
+
 void LiveMonitor::watch(const MonitorEvents& events) {
-  if (events.rest && events.rest()) {
+  const double now = source_->now();
+  const MonitorCalls calls = events.calls ? events.calls() : MonitorCalls{};
+  if (calls.rest) {
     for (Sensor& sensor : sensors_) sensor.alarm.rest();
     if (estimator_) estimator_->rest();
   }
-  const double now = source_->now();
+  if (calls.slides && estimator_) read_friction(events, now);
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+    if (sensors_[i].friction > 0) estimator_->friction(i, sensors_[i].friction, trust(sensors_[i], now));
   if (now >= next_second_) {
     next_second_ = now + 1;
     refresh();

@@ -27,7 +27,10 @@ struct MonitorOptions {
   int hold = 1;
   bool ignore_unlike = false, rest = false;
   AlarmSignal signal = AlarmSignal::slip;
-  double friction = 0, friction_spread = 0.1;                   ///< as of Alarm::friction; 0: not known
+  double friction = 0, friction_spread = 0.1;  ///< as of Alarm::friction; 0: not known
+  /// Relative standard deviation by which mu drifts in the minute after it was read from a slide, and with the root of
+  /// time.
+  double friction_drift = 0.1;
   std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S or slid
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
@@ -67,13 +70,20 @@ struct MonitorSummary {
   std::string device;  ///< that evaluated the networks; empty: host code
 };
 
+/// What its user asks of a LiveMonitor between packets.
+struct MonitorCalls {
+  bool rest = false;    ///< Alarm::rest of all pads
+  bool slides = false;  ///< SlipHistory::slides of all pads
+};
+
 /// Callbacks of LiveMonitor. Empty functions are allowed.
 struct MonitorEvents {
   std::function<void(const MonitorLine&)> line{};
-  std::function<void(const MonitorSummary&)> second{};  ///< about once a second
-  std::function<void(double seconds)> silence{};        ///< time without a frame
-  std::function<bool()> stop{};                         ///< true ends it
-  std::function<bool()> rest{};                         ///< true: Alarm::rest of all pads, asked between packets
+  std::function<void(const MonitorSummary&)> second{};     ///< about once a second
+  std::function<void(double seconds)> silence{};           ///< time without a frame
+  std::function<bool()> stop{};                            ///< true ends it
+  std::function<MonitorCalls()> calls{};                   ///< asked between packets
+  std::function<void(std::span<const float>)> friction{};  ///< mu of each pad after `slides`; NaN: none was read
 };
 
 /// Returns whether the calibration gives every pad a threshold of touch.
@@ -112,12 +122,16 @@ class LiveMonitor {
     Alarm alarm;                              ///< has the frames answered, or dropped as late
     std::optional<MountingWatch> mounting{};  ///< of a pad
     std::span<float> stresses{};              ///< [axes tactels] MPa, of frames_
+    float friction = 0;                       ///< as read from a slide; 0: none was
+    double read_at = 0;                       ///< s, of that reading
   };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
   void estimate();
   void count(MonitorLine& line, bool rest);
   void refresh();
   void watch(const MonitorEvents& events);
+  void read_friction(const MonitorEvents& events, double now);
+  float trust(const Sensor& sensor, double now) const;
   void listen(double now, const MonitorEvents& events);
 
   MonitorOptions options_;

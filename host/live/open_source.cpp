@@ -11,14 +11,15 @@
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
 #include "hw/recording.h"
+#include "hw/serial_source.h"
 #include "hw/usb_source.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr const char* allowed_sources =
-    "usb:glove, usb:VID:PID with --profile, csv:FILE or csv:- with --profile, replay:FILE or "
-    "'simulate:SCENE.toml?rate=100'";
+    "usb:glove, usb:VID:PID with --profile, 'serial:/dev/ttyACM0?baud=115200' with --profile, csv:FILE or csv:- with "
+    "--profile, replay:FILE or 'simulate:SCENE.toml?rate=100'";
 
 /// "04D8" as a number; none for what is no such number.
 std::optional<std::uint16_t> hexadecimal(const std::string& text) {
@@ -103,18 +104,35 @@ OpenSource open_csv(const std::string& text, Files profiles, Files calibrations)
           std::move(joined)};
 }
 
+/// Lines of numbers, or the bytes of another format.
+OpenSource open_serial(const std::string& text, Files profiles, Files calibrations) {
+  SourceOptions options(text);
+  int baud = 115200;
+  options.read("baud", baud);
+  options.finish();
+  if (profiles.empty())
+    throw ConfigError("command line", "--profile", "(missing)", "given with serial:, a profile of the device's bytes");
+  const std::string& path = options.path();
+  if (SensorProfile profile = read_profile(profiles[0]); profiles.size() == 1 && profile.kind != "csv")
+    return {std::make_unique<hw::SerialSource>(path, baud, profile.usb.start), std::move(profile)};
+  SensorProfile joined = read_profiles(profiles, calibrations);
+  const hw::SerialPort port(path, baud);  // its settings stay, as the source has it open, too
+  return {std::make_unique<CsvSource>(path, joined.format()->channels(), false), std::move(joined)};
+}
+
 OpenSource open(const std::string& kind, const std::string& rest, Files profiles, Files calibrations) {
   if (kind == "csv") return open_csv(rest, profiles, calibrations);
+  if (kind == "serial") return open_serial(rest, profiles, calibrations);
   if (profiles.size() > 1)
     throw ConfigError("command line", "--profile", profiles[1],
-                      "given once with " + kind + ":; several profiles are of the pads in a line of csv:");
+                      "given once with " + kind + ":; several profiles are of the pads in a line of csv: or serial:");
   const std::string profile = profiles.empty() ? "" : profiles[0];
   if (kind == "replay") return open_replay(rest, profile);
   if (kind == "usb") return open_usb_source(rest, profile);
   if (kind != "simulate")
     throw ConfigError(
         "command line", "--source", kind + ":" + rest,
-        allowed_sources + did_you_mean(kind, std::vector<std::string>{"usb", "csv", "replay", "simulate"}));
+        allowed_sources + did_you_mean(kind, std::vector<std::string>{"usb", "serial", "csv", "replay", "simulate"}));
   if (!profile.empty())
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");
   auto sensor = open_simulation(rest);

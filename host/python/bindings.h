@@ -24,6 +24,7 @@ namespace py = pybind11;
 void bind_errors(py::module_& module);
 void bind_scenes(py::module_& module);
 void bind_pads(py::module_& module);
+void bind_convergence(py::module_& module);
 void bind_pad_paths(py::module_& module);
 void bind_solve(py::module_& module);
 void bind_sweeps(py::module_& module);

@@ -71,6 +71,7 @@ PYBIND11_MODULE(_tactel, module) {
   bind_errors(module);
   bind_pads(module);
   bind_scenes(module);
+  bind_convergence(module);
   bind_pad_paths(module);
   bind_solve(module);
   bind_sweeps(module);

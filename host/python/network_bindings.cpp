@@ -100,10 +100,7 @@ struct OwnAlarm {
     alarm.friction(mu, spread);
     if (estimator) estimator->friction(static_cast<float>(mu), static_cast<float>(spread));
   }
-  float slides() {
-    if (estimator) throw InputError("device", "given", "leave it out: frames on a device do not tell mu");
-    return alarm.slides();
-  }
+  float slides() { return estimator ? estimator->slides(0) : alarm.slides(); }
   void rest() {
     alarm.rest();
     if (estimator) estimator->rest();

@@ -144,10 +144,44 @@ py::array_t<float> frames_of(const Paths& all, std::initializer_list<std::vector
   return frames;
 }
 
-/// Pages and VTK files of an answer.
+/// A pandas.DataFrame of the numbers of every step; of pairs a column each, "Q_x" and "Q_y".
+template <class Path>
+py::object to_pandas(const py::object& path) {
+  using Step = typename decltype(Path::steps)::value_type;
+  py::dict columns;
+  const Step any{};
+  each_numbered(host::quantities<false>(any), [&]<std::size_t>(const auto& quantity) {
+    const std::string extent = quantity.extent, key = quantity.key;
+    const py::object values = path.attr(key.c_str());
+    if (extent.empty()) columns[key.c_str()] = values;
+    for (const int axis : {0, 1})
+      if (extent == "2")
+        columns[(key + (axis == 0 ? "_x" : "_y")).c_str()] = values[py::make_tuple(py::ellipsis(), axis)];
+  });
+  try {
+    return py::module_::import("pandas").attr("DataFrame")(columns);
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_ImportError)) throw;
+    throw InputError("pandas", "not installed", "install it: pip install pandas");
+  }
+}
+
+/// Pages, files and tables of an answer.
 template <class Path>
 void bind_pictures(py::class_<Path>& path) {
   using namespace pybind11::literals;
+  path.def(
+          "json", [](const Path& self) { return json(self); }, "Returns the text of `tactel solve --json`.")
+      .def("to_pandas", &to_pandas<Path>, "Returns a pandas.DataFrame: a row a step.")
+      .def(
+          "converge",
+          [](const Path& self, std::optional<std::size_t> step) {
+            const py::gil_scoped_release released;
+            return converge(self, step);
+          },
+          "step"_a = py::none(),
+          "Solves the scene on ever smaller cells, as `tactel solve --converge`, and judges a step, from 0 (None: the "
+          "last that sticks and slips). Takes seconds to minutes.");
   path.def(
           "html", [](const Path& self, std::optional<std::size_t> step) { return html(self, step); },
           "step"_a = py::none(),

@@ -233,6 +233,9 @@ void bind_scenes(py::module_& m) {
       .def(
           "validate", [](const AnyScene& scene) { std::visit([](const auto& one) { validate(one); }, scene.of); },
           "Raises InputError for the first value that the model rejects.")
+      .def(
+          "toml", [](const AnyScene& scene) { return std::visit([](const auto& one) { return toml(one); }, scene.of); },
+          "Returns its scene file, with every default filled in; read_scene() reads it.")
       .def_property_readonly("sensor", scene_field([](const auto& scene) { return py::cast(scene.sensor); }))
       .def_property_readonly("indenter", scene_field([](const auto& scene) { return py::cast(scene.indenter); }))
       .def_property_readonly("friction", scene_field([](const auto& scene) { return scene.friction; }),

@@ -193,6 +193,25 @@ void bind_solve_of(py::module_& m, const char* doc) {
 
 }  // namespace
 
+void bind_convergence(py::module_& m) {
+  py::class_<ConvergedNumber>(m, "ConvergedNumber", "A number of a step on ever smaller cells, continued to size 0.")
+      .def_readonly("name", &ConvergedNumber::name)
+      .def_readonly("unit", &ConvergedNumber::unit)
+      .def_readonly("answer", &ConvergedNumber::answer, "of the path")
+      .def_readonly("limit", &ConvergedNumber::limit, "on cells of size 0")
+      .def_readonly("uncertainty", &ConvergedNumber::uncertainty, "of the limit")
+      .def_readonly("order", &ConvergedNumber::order, "of convergence; 0: the values scatter, and limit is the last")
+      .def_readonly("values", &ConvergedNumber::values, "[rungs]")
+      .def("__repr__", [](const ConvergedNumber& n) {
+        return py::str("<tactel.ConvergedNumber: {} {:.6g} {}, limit {:.6g} +- {:.2g}>")
+            .format(n.name, n.answer, n.unit, n.limit, n.uncertainty);
+      });
+  py::class_<Convergence>(m, "Convergence", "A step of a path beside exact contact on ever smaller cells.")
+      .def_readonly("step", &Convergence::step)
+      .def_readonly("h", &Convergence::h, "[rungs] mm, size of cells, the largest first")
+      .def_readonly("numbers", &Convergence::numbers, "none where fewer than four rungs were solved");
+}
+
 void bind_solve(py::module_& m) {
   bind_derivatives(m);
   bind_path(m);

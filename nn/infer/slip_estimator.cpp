@@ -20,6 +20,7 @@
 #include "nn/features.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/built_in.h"
+#include "nn/infer/friction_reading.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/loaded_network.h"
 #include "nn/infer/sensor_frames.h"
@@ -267,8 +268,7 @@ struct SlipHistory::State {
   SlipEstimator network;
   infer::SensorFrames frames;
   alignas(64) float input[2 * nn::Topology::widest_layer] = {};  // a rest is as wide as the newest frame, and no input
-  double logarithms = 0;                                         ///< of mu, their sum over so many slides
-  int slides = 0;
+  infer::FrictionReading friction;
 };
 
 SlipHistory::SlipHistory(const SlipEstimator& network) : SlipHistory(network, std::nullopt) {}
@@ -288,28 +288,13 @@ Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
 
 void SlipHistory::friction(float mu, float spread) noexcept {
   state_->frames.friction(mu, spread);
-  state_->slides = 0, state_->logarithms = 0;
+  state_->friction.forget();
 }
 
 float SlipHistory::slides() noexcept {
-  constexpr float sure = 0.05f, sliding = 0.97f, read_spread = 0.15f, wider = 2;
-  const nn::Learnt& learnt = state_->network.network_->learnt;
-  if (!state_->network.takes_friction() || !(learnt.least_friction > 0)) return std::nanf("");
-  float* const told = state_->input + state_->network.inputs() - 2;
-  const auto answer = [&](double logarithm) {
-    told[0] = static_cast<float>(std::exp(logarithm)), told[1] = sure;
-    return state_->network.estimate({state_->input, state_->network.inputs()});
-  };
-  double low = std::log(learnt.least_friction / wider),
-         high = std::log(learnt.most_friction * wider);  // S falls with mu
-  if (answer(low).status != AnswerStatus::ok) return std::nanf("");
-  for (int halving = 0; halving < 12; ++halving) {
-    const double middle = (low + high) / 2;
-    (answer(middle).slip_index >= sliding ? low : high) = middle;
-  }
-  state_->logarithms += low, ++state_->slides;
-  const auto mu = static_cast<float>(std::exp(state_->logarithms / state_->slides));
-  state_->frames.friction(mu, read_spread);
+  const SlipEstimator& network = state_->network;
+  const float mu = state_->friction.next(network, network.network_->learnt, {state_->input, network.inputs()});
+  if (!std::isnan(mu)) state_->frames.friction(mu, infer::FrictionReading::spread);
   return mu;
 }
 

@@ -286,7 +286,7 @@ class Command(unittest.TestCase):
             @staticmethod
             def metadata(key):
                 return {"target": "stick_fraction"}.get(key, "")
-        with self.assertRaisesRegex(InputError, "a network of slip_index"):
+        with self.assertRaisesRegex(InputError, "^n.onnx: stick_fraction; a network of slip_index"):
             floor._network_errors({"n.onnx": Network}, np.zeros((2, 1, 4)), None, None)
 
     def test_three_axes_tell_more_than_one(self):

@@ -15,6 +15,7 @@ import select
 import subprocess
 import tempfile
 import threading
+import types
 import unittest
 from unittest import mock
 
@@ -250,6 +251,43 @@ class Pictures(unittest.TestCase):
                            (lambda: path.to_vtu("/tmp/x.vtu"), "a patch, which has no nodes"),):
             with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
                 call()
+
+
+class Answers(unittest.TestCase):
+    """JSON, tables, scene files and convergence are those of the program."""
+
+    def program(self, *words):
+        return json.loads(subprocess.run([PROGRAM, "solve", *map(str, words), "--json", "-", "--quiet"], check=True, capture_output=True, text=True).stdout)
+
+    def test_json_of_a_scene_that_was_written(self):
+        for name, options in (("parabola", {}), ("pad", {})):
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                scene, copy = tactel.read_scene(ROOT / f"examples/{name}.toml"), pathlib.Path(folder) / "scene.toml"
+                copy.write_text(scene.toml())
+                path = tactel.solve(scene, estimate_error=True, **options)
+                self.assertEqual(json.loads(path.json())["steps"], self.program(copy)["steps"])
+                self.assertEqual(tactel.read_scene(copy).toml(), scene.toml())
+
+    def test_pandas(self):
+        made = []
+        with mock.patch.dict("sys.modules", pandas=types.SimpleNamespace(DataFrame=lambda columns: made.append(columns) or columns)):
+            line = tactel.solve(PARABOLA)
+            self.assertEqual(line.to_pandas()["slip_index"].tolist(), line.slip_index.tolist())
+            pad = tactel.solve(tactel.read_scene(ROOT / "examples/pad.toml"))
+            table = pad.to_pandas()
+            self.assertEqual(table["Q_y"].tolist(), pad.Q[:, 1].tolist())
+            self.assertTrue(all(np.asarray(column).shape == (len(pad),) for column in table.values()))
+        with mock.patch.dict("sys.modules", pandas=None), self.assertRaisesRegex(tactel.InputError, "pandas: not installed; install it"):
+            line.to_pandas()
+
+    def test_convergence(self):
+        scene = ROOT / "examples/parabola.toml"
+        found = tactel.solve(tactel.read_scene(scene)).converge()
+        said = self.program(scene, "--converge")["converge"]
+        self.assertEqual(found.step + 1, said["step"])
+        self.assertEqual([(n.name, n.limit, n.uncertainty) for n in found.numbers], [(q["name"], q["limit"], q["uncertainty"]) for q in said["quantities"]])
+        self.assertEqual(len(found.h), len(found.numbers[0].values))
+        self.assertIn("limit", repr(found.numbers[0]))
 
 
 class OwnNetworks(unittest.TestCase):

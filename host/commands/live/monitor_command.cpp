@@ -6,12 +6,17 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <memory>
+#include <ranges>
 
 #include "host/commands/command.h"
+#include "host/commands/live/live_server.h"
 #include "host/commands/live/sensor_session.h"
+#include "host/figures/live_page.h"
 #include "host/live/live_monitor.h"
 #include "host/live/live_view.h"
 #include "host/networks/onnx_file.h"
@@ -33,7 +38,8 @@ struct MonitorRequest : SensorRequest {
   std::optional<float> widest;
   std::string unlike = "alarm", signal;  ///< signal: empty for slip, or without a network for moved
   MonitorOptions options;
-  bool view = false;
+  bool view = false, stresses = false, takes_friction = false;  ///< takes_friction: of a network
+  std::vector<std::string> serve{};                             ///< of --serve: none, or a place, or ""
 };
 
 /// A number as JSON has it: what is not finite is null.
@@ -72,13 +78,26 @@ std::string further_text(const MonitorRequest& request, const MonitorLine& line,
   return text;
 }
 
-std::string line_text(const MonitorRequest& request, const MonitorLine& line, const char* target) {
+/// Those of all tactels, axis by axis, MPa.
+std::string stresses_text(const MonitorLine& line, std::size_t tactels) {
+  std::string text = ", \"stresses\": [";
+  for (std::size_t i = 0; i < line.stresses.size(); ++i)
+    text += fmt::format("{}{}{}",
+                        i % tactels > 0 ? ", "
+                        : i > 0         ? "], ["
+                                        : "[",
+                        json_number(line.stresses[i]), i + 1 == line.stresses.size() ? "]]" : "");
+  return text;
+}
+
+/// tactels: of all pads, where the line has their stresses; 0: it has none.
+std::string line_text(const MonitorRequest& request, const MonitorLine& line, const char* target, std::size_t tactels) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
-  return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}, \"latency_us\": {}}}\n",
+  return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}{}, \"latency_us\": {}}}",
                      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
                      json_number(line.frame.arrival),
                      answer_text(target, line.answer, line.contact, line.has_bound, line.rest, line.moved),
-                     further_text(request, line, target), latency);
+                     further_text(request, line, target), tactels > 0 ? stresses_text(line, tactels) : "", latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -160,15 +179,15 @@ class Doubts {
   bool unlike_ = false, no_answer_ = false, beyond_ = false;
 };
 
-/// Lines "rest", or empty ones, on standard input.
-class RestLines {
+/// Lines "rest", or empty ones, and "slides" on standard input.
+class AskedLines {
  public:
   /// frames: they come by standard input, too.
-  RestLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
-  /// Returns whether such a line came since the last call. Waits for nothing.
-  bool operator()() {
+  AskedLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
+  /// Returns what came since the last call. Waits for nothing.
+  MonitorCalls operator()() {
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    bool found = false;
+    MonitorCalls asked;
     // Reading a terminal stops a program in its background.
     while (open_ && !(isatty(STDIN_FILENO) && tcgetpgrp(STDIN_FILENO) != getpgrp()) && ::poll(&input, 1, 0) > 0) {
       char bytes[256];
@@ -179,27 +198,78 @@ class RestLines {
         if (byte != '\n' && byte != '\r') {
           if (line_.size() < sizeof bytes) line_ += byte;
         } else if (byte == '\n') {
-          if (line_.empty() || line_ == "rest")
-            found = true;
-          else if (!quiet_)
-            print_warning("a line of standard input was left out: a new rest is asked for by \"rest\"");
+          take(asked);
           line_.clear();
         }
       }
     }
-    return found;
+    return asked;
   }
 
  private:
+  void take(MonitorCalls& asked) const {
+    if (line_.empty() || line_ == "rest")
+      asked.rest = true;
+    else if (line_ == "slides")
+      asked.slides = true;
+    else if (!quiet_)
+      print_warning("a line of standard input was left out: it is neither \"rest\" nor \"slides\"");
+  }
+
   bool open_, quiet_;
   std::string line_;
 };
 
+/// What is said of a reading of mu.
+std::string friction_text(std::span<const float> mu) {
+  if (std::ranges::all_of(mu, [](float one) { return std::isnan(one); }))
+    return "note: friction was not read: no frame has an answer";
+  return fmt::format("note: it slides: friction {}", fmt::join(mu | std::views::transform([](float one) {
+                                                                 return std::isnan(one) ? std::string("not read")
+                                                                                        : fmt::format("{:.2g}", one);
+                                                               }),
+                                                               ", "));
+}
+
+/// The page of --serve and its lines: 33 a second, and events. None where it was not asked for.
+class BrowserView {
+ public:
+  BrowserView(const MonitorRequest& request, const SensorProfile& profile, const char* target, bool bound) {
+    if (request.serve.empty()) return;
+    LivePage page{.source = request.source, .pads = {}, .signal = "moved"};
+    if (request.options.signal == AlarmSignal::slip) page.signal = target, page.bound = bound;
+    if (request.alarm) page.alarm = *request.alarm;
+    for (std::size_t i = 0; i < profile.pads.size(); ++i)
+      page.pads.push_back({profile.pads.size() > 1 ? fmt::format("pad {}", i + 1) : "pad", profile.pads[i].tactels,
+                           profile.pads[i].pitch});
+    if (page.pads.empty()) page.pads.push_back({.name = "line"});
+    const std::string& place = request.serve.front();
+    server_ = std::make_unique<LiveServer>(place.empty() ? default_place : place, html(page));
+    say("note: open " + server_->address() + " in a browser");
+  }
+  /// event: the line is sent, however recent the last one is.
+  template <class Text>
+  void show(const Text& text, bool event) {
+    if (!server_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (!event && now - last_ < refresh) return;
+    last_ = now;
+    server_->send(text());
+  }
+
+ private:
+  static constexpr const char* default_place = "8080";
+  static constexpr auto refresh = std::chrono::milliseconds(30);
+  std::unique_ptr<LiveServer> server_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
-MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
-                          const Until& until, std::vector<std::string>& later) {
+MonitorEvents make_events(const MonitorRequest& request, const char* target, std::size_t tactels, LiveView& view,
+                          BrowserView& browser, Output& output, const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
-  events.line = [&, on = false, cannot_tell = false, doubts = Doubts(request)](const MonitorLine& line) mutable {
+  events.line = [&, target, tactels, on = false, cannot_tell = false,
+                 doubts = Doubts(request)](const MonitorLine& line) mutable {
     const bool turned = line.alarm != on || (request.widest && line.cannot_tell != cannot_tell);
     on = line.alarm, cannot_tell = line.cannot_tell;
     std::vector<std::string> warnings = doubts.next(line);
@@ -212,8 +282,9 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, Liv
     }
     // Events are printed, whatever --every says.
     const bool event = (request.alarm && turned) || !line.drift.empty();
+    browser.show([&] { return line_text(request, line, target, tactels); }, event);
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
-    if (!request.view) return output.put(line_text(request, line, target));
+    if (!request.view) return output.put(line_text(request, line, target, request.stresses ? tactels : 0) + "\n");
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
@@ -227,8 +298,11 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, Liv
     if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
   };
   events.stop = [&] { return output.failed() || until(); };
-  if (request.options.rest)
-    events.rest = [lines = RestLines(request.source.starts_with("csv:-"), request.quiet)]() mutable { return lines(); };
+  if (request.options.rest || request.takes_friction)
+    events.calls = [lines = AskedLines(request.source.starts_with("csv:-"), request.quiet)]() mutable {
+      return lines();
+    };
+  if (!request.quiet) events.friction = [](std::span<const float> mu) { say(friction_text(mu)); };
   return events;
 }
 
@@ -293,6 +367,8 @@ int run_monitor(MonitorRequest request) {
   if (moved) request.options.signal = AlarmSignal::moved;
   const bool needs_rest = std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.rest; });
   request.options.rest |= moved || needs_rest;
+  request.takes_friction =
+      std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.friction; });
   check_request(request, networks);
   const nn::Target target = networks.empty() ? nn::Target::slip_index : networks.front().target;
   std::optional<Device> device;
@@ -333,10 +409,12 @@ int run_monitor(MonitorRequest request) {
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
+  const char* const name = networks.empty() ? nullptr : nn::name(target);
+  BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(request.seconds);
   std::vector<std::string> later;
   const MonitorSummary summary = monitor.run(
-      *opened.source, make_events(request, networks.empty() ? nullptr : nn::name(target), view, output, until, later));
+      *opened.source, make_events(request, name, opened.profile.map.tactels(), view, browser, output, until, later));
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   for (const std::string& warning : later)
     if (!request.quiet) print_warning(warning);
@@ -391,6 +469,15 @@ void add_monitor_command(CLI::App& app, Action& action) {
       "--view", request->view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction; of "
       "pads a tile a tactel, shaded by pressure, with an arrow of shear");
+  command
+      ->add_option(
+          "--serve", request->serve,
+          "a page for browsers beside the lines: pads or the line, what the alarm judges over ten seconds, and "
+          "the truth of a simulation; PORT of this machine alone, or ADDRESS:PORT, 0.0.0.0:8080 for a telephone "
+          "beside the gripper; port 0: any (default: 8080)")
+      ->type_name("PLACE")
+      ->expected(0, 1);
+  command->add_flag("--stresses", request->stresses, "add \"stresses\" to each line: all tactels, axis by axis, MPa");
   CLI::Option* alarm =
       command
           ->add_option(
@@ -414,7 +501,8 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"slip", "moved"}));
   CLI::Option* friction = command
                               ->add_option("--friction", request->options.friction,
-                                           "mu, as far as it is known, for networks of train --friction")
+                                           "mu, as far as it is known, for networks of train --friction; while an "
+                                           "object slides, a line \"slides\" on standard input has it read")
                               ->type_name("MU")
                               ->check(CLI::Range(1e-3, 1e3));
   command->add_option("--friction-spread", request->options.friction_spread, "relative standard deviation of that mu")
@@ -422,6 +510,13 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0, 1e3))
       ->capture_default_str()
       ->needs(friction);
+  command
+      ->add_option("--friction-drift", request->options.friction_drift,
+                   "relative standard deviation by which mu, as read from a slide, drifts in the next minute; it is "
+                   "trusted less with the root of time")
+      ->type_name("FLOAT")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
   command
       ->add_option("--hold", request->options.hold,
                    "with --alarm: it begins at the last of so many frames in a row that ask for it")

@@ -41,7 +41,8 @@ const CLI::Validator& not_negative_number() {
 void add_sensor_options(CLI::App& command, SensorRequest& request) {
   command
       .add_option("--source", request.source,
-                  "usb:glove, usb:VID:PID, 'usb:...?serial=NUMBER', csv:FILE, csv:- (standard input), replay:FILE or "
+                  "usb:glove, usb:VID:PID, 'usb:...?serial=NUMBER', serial:/dev/ttyACM0, csv:FILE, csv:- (standard "
+                  "input), replay:FILE or "
                   "'simulate:SCENE.toml?rate=100' "
                   "(docs/sensors.md)")
       ->type_name("SOURCE")

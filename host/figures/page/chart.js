@@ -2,8 +2,12 @@
 
 // Figures of panels: series over axes, one legend a figure, a read-out under the pointer, all data as CSV.
 
+// Dashes of lines, and marks on them. Shear is dashed, since its colour alone is too near to that of pressure for some eyes.
+const dashes = { dashed: "5 4", long_dashes: "11 3", dash_triangles: "11 3" };
+
 function markPath(mark, x, y, r) {
   switch (mark) {
+    case "dash_triangles":
     case "triangles": return `M${x},${y - 1.25 * r}L${x + 1.15 * r},${y + 0.85 * r}L${x - 1.15 * r},${y + 0.85 * r}Z`;
     case "crosses": return `M${x - r},${y - r}L${x + r},${y + r}M${x - r},${y + r}L${x + r},${y - r}`;
     case "diamonds": return `M${x},${y - 1.5 * r}L${x + 1.5 * r},${y}L${x},${y + 1.5 * r}L${x - 1.5 * r},${y}Z`;
@@ -43,9 +47,9 @@ function bandPath(s, axes) {
 
 function drawSeries(s, axes) {
   const colour = ink(s.ink), group = svg("g", {});
-  const lined = { line: 1.9, thin: 1.1, dashed: 1.5, line_dots: 1.6 }[s.mark];
+  const lined = { line: 1.9, thin: 1.1, dashed: 1.5, long_dashes: 1.9, line_dots: 1.6, dash_triangles: 1.6 }[s.mark];
   if (s.mark === "band") group.append(svg("path", { d: bandPath(s, axes), fill: colour, "fill-opacity": 0.16 }));
-  if (lined) group.append(svg("path", { d: linePath(s.x, s.y, axes), fill: "none", stroke: colour, "stroke-width": lined, "stroke-linejoin": "round", "stroke-dasharray": s.mark === "dashed" ? "5 4" : null }));
+  if (lined) group.append(svg("path", { d: linePath(s.x, s.y, axes), fill: "none", stroke: colour, "stroke-width": lined, "stroke-linejoin": "round", "stroke-dasharray": dashes[s.mark] }));
   if (s.mark === "bars") {
     const gaps = s.x.slice(1).map((x, k) => Math.abs(axes.x(x) - axes.x(s.x[k])));
     const wide = Math.max(1.5, 0.86 * (gaps.length ? Math.min(...gaps) : 40)), base = axes.y.log ? axes.floor : axes.y(0);
@@ -62,8 +66,8 @@ function drawSeries(s, axes) {
       if (finite(s.low[k]) && finite(s.high[k])) group.append(svg("line", { x1: at, x2: at, y1: axes.y(s.low[k]), y2: axes.y(s.high[k]), stroke: colour, "stroke-width": 2 }));
       group.append(markNode("circles", at, axes.y(s.y[k]), 4, colour));
     });
-  if (["dots", "circles", "triangles", "crosses", "diamonds", "line_dots"].includes(s.mark)) {
-    const many = s.x.length > 150, r = s.mark === "dots" ? (many ? 1.5 : 2.2) : s.mark === "line_dots" ? 2.8 : 4.2;
+  if (["dots", "circles", "triangles", "crosses", "diamonds", "line_dots", "dash_triangles"].includes(s.mark)) {
+    const many = s.x.length > 150, r = s.mark === "dots" ? (many ? 1.5 : 2.2) : s.mark === "line_dots" || s.mark === "dash_triangles" ? 2.8 : 4.2;
     const more = s.mark === "dots" ? { "fill-opacity": many ? 0.45 : 0.6 } : {};
     s.x.forEach((x, k) => {
       const px = axes.x(x), py = finite(s.y[k]) ? axes.y(s.y[k]) : NaN;
@@ -171,9 +175,9 @@ function legendSample(s) {
   if (s.mark === "band") node.append(svg("rect", { y: 1, width: 22, height: 10, fill: colour, "fill-opacity": 0.2 }));
   else if (s.mark === "bars") node.append(svg("rect", { x: 5, y: 1, width: 12, height: 10, fill: colour, "fill-opacity": 0.75 }));
   else {
-    if (["line", "thin", "dashed", "line_dots"].includes(s.mark)) node.append(svg("line", { x1: 0, x2: 22, y1: 6, y2: 6, stroke: colour, "stroke-width": s.mark === "line" ? 2.4 : 1.6, "stroke-dasharray": s.mark === "dashed" ? "5 4" : null }));
+    if (["line", "thin", "dashed", "long_dashes", "line_dots", "dash_triangles"].includes(s.mark)) node.append(svg("line", { x1: 0, x2: 22, y1: 6, y2: 6, stroke: colour, "stroke-width": s.mark === "line" ? 2.4 : 1.6, "stroke-dasharray": dashes[s.mark] }));
     if (s.mark === "whiskers") node.append(svg("line", { x1: 11, x2: 11, y1: 0, y2: 12, stroke: colour, "stroke-width": 2 }));
-    if (!["line", "thin", "dashed"].includes(s.mark)) node.append(markNode(s.mark, 11, 6, s.mark === "dots" ? 3 : 3.8, colour));
+    if (!["line", "thin", "dashed", "long_dashes"].includes(s.mark)) node.append(markNode(s.mark, 11, 6, s.mark === "dots" ? 3 : 3.8, colour));
   }
   return node;
 }

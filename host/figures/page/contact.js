@@ -176,7 +176,7 @@ class ContactView extends StepView {
   // constant on each element.
   tractions(width, step) {
     const { surface_x, surface_width, mu, most_traction } = this.data, series = (...its) => along(its[0], surface_x, surface_width, ...its.slice(1));
-    const lines = [series("pressure p", step.p, "blue", "line"), series("shear q", step.q, "purple", "line")];
+    const lines = [series("pressure p", step.p, "blue", "line"), series("shear q", step.q, "orange", "long_dashes")];
     if (mu !== null) for (const sign of [1, -1]) lines.push(series(sign > 0 ? "limit ±µp" : "", step.p.map(p => sign * mu * p), "grey", "dashed"));
     const node = tractionPanel({ title: "On the surface", x_label: "x (mm)", y_label: "traction of the indenter on the rubber (MPa)", x_range: this.data.window, y_range: most_traction, width, left: 46, right: 12 },
       lines, surface_x, step.q, step.status);
@@ -189,7 +189,7 @@ class ContactView extends StepView {
     const columns = width < 560 ? 1 : 2, each = Math.floor((width - 26 * (columns - 1)) / columns), { data } = this, step = data.steps[this.index];
     const line = (label, x, y, colour, mark) => ({ label, x, y, ink: colour, mark, low: [], high: [] });
     const tactels = { title: "What the tactels feel", x_label: "x (mm)", y_label: "stress at the base (MPa)", zero_line: true, y_range: data.tactel_range,
-      series: [line("σ_y", data.tactel_x, step.sigma, "blue", "line_dots"), line("τ_{xy}", data.tactel_x, step.tau, "purple", "line_dots")] };
+      series: [line("σ_y", data.tactel_x, step.sigma, "blue", "line_dots"), line("τ_{xy}", data.tactel_x, step.tau, "orange", "dash_triangles")] };
     const parts = [html("div", {}, legend(tactels.series), drawPanel(tactels, each, 220, false))];
     if (data.path.number.length > 1) {
       const { number: steps, S, stick } = data.path;

@@ -247,7 +247,7 @@ class PadView extends StepView {
       this.cutLines(at, widths, p, t), at, t, row.map(k => step.status[k])));
   }
   cutLines(at, widths, p, t) {
-    return [along("pressure p", at, widths, p, "blue", "line"), along("limit µp", at, widths, p.map(v => this.data.mu * v), "grey", "dashed"), along("shear |t|", at, widths, t, "purple", "line")];
+    return [along("pressure p", at, widths, p, "blue", "line"), along("limit µp", at, widths, p.map(v => this.data.mu * v), "grey", "dashed"), along("shear |t|", at, widths, t, "orange", "long_dashes")];
   }
   cutLegend() {
     const key = legend(this.cutLines([], [], [], []));

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress
+from ._calls import input_error
 
 REST = np.float32(0.05)  #: a frame below this share of the contact's largest stress ends the contact (nn/frame_history.h)
 MOST_FRAMES = 64
@@ -238,12 +239,12 @@ def _network_errors(networks, readings, asked, options):
     for file, network in networks.items():
         width = network.inputs
         if network.metadata("target"):
-            raise InputError(file, network.metadata("target"), "a network of slip_index")
+            raise input_error(file, network.metadata("target"), "a network of slip_index")
         own = tuple(float(network.metadata(key) or default) for key, default in (("history", 1), ("stride", 1), ("history_change", 0.1)))
         if width not in (inputs, history * inputs):
-            raise InputError(file, f"{width} inputs", f"a network of {inputs} inputs, as many as a frame")
+            raise input_error(file, f"{width} inputs", f"a network of {inputs} inputs, as many as a frame")
         if width != inputs and own != (history, options.stride, options.change):
-            raise InputError(file, "another history", f"--history {own[0]:g}:{own[1]:g} --history-change {own[2]:g}, or another network")
+            raise input_error(file, "another history", f"--history {own[0]:g}:{own[1]:g} --history-change {own[2]:g}, or another network")
         answers = network(readings.reshape(rows, -1)[:, :width].astype(np.float32))
         truth = np.abs(asked.slip_index) if network.metadata("magnitude") else asked.slip_index
         errors[file] = np.abs(answers - truth)
@@ -269,7 +270,7 @@ def floor_of(simulate, steady, options, families=None, networks=None, progress=N
     bank = simulate(quantiles)
     judged = simulate(random.random((4 * options.readings, numbers)))
     if min(len(bank), len(judged)) < 2:
-        raise InputError("sweep", "no row with normal stress", "contacts that press on a tactel")
+        raise input_error("sweep", "no row with normal stress", "contacts that press on a tactel")
     asked = judged.take(np.sort(random.choice(len(judged), min(options.readings, len(judged)), replace=False)))
     readings = draw_readings(asked, options, random)
     sampler = _Sampler(simulate, steady, readings, draw_told(asked, options, random), options, random)
@@ -367,7 +368,7 @@ def measure(sweep, options=Options(), networks=None, device="", progress=None, r
 
     Raises InputError for a listed sweep, or where no row has normal stress."""
     if not sweep.endless:
-        raise InputError(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
+        raise input_error(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
 
     def simulate(quantiles):
         return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, rung, "", device, None, False)), options)
@@ -497,7 +498,7 @@ def _arguments(words):
 def _networks(paths):
     files = [file for path in paths for file in (sorted(glob.glob(os.path.join(path, "*.onnx"))) if os.path.isdir(path) else [path])]
     if paths and not files:
-        raise InputError(paths[0], "no network", "a folder with files *.onnx, or one file")
+        raise input_error(paths[0], "no network", "a folder with files *.onnx, or one file")
     return {os.path.basename(file): SlipEstimator.load(file) for file in files}
 
 

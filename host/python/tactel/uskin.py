@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._tactel import InputError
+from ._calls import input_error
 
 _FILE = "use an unchanged file of slip_detection_dataset_2021"
 _COLUMNS, _ROWS, _AXES = 6, 3, {"x": 0, "y": 1}
@@ -60,9 +60,7 @@ class Trial:
 
 
 def _refuse(place, problem, fix):
-    error = InputError(f"{place}: {problem}; {fix}")
-    error.place, error.problem, error.fix = place, problem, fix
-    raise error
+    raise input_error(place, problem, fix)
 
 
 def _dataset(group, path, name, rank, kinds):

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_search.h"
@@ -184,6 +185,22 @@ TEST(PadLayout, ATiltedPunchKeepsItsForces) {
   EXPECT_NEAR(step.P / 0.36599, 1, 0.01);  // another grid of 16 x 16 cells
   EXPECT_NEAR(step.Q[1] / 0.20514, 1, 0.02);
   EXPECT_NEAR(step.M / -0.14838, 1, 0.02);
+}
+
+// A punch is round: one that is tilted along 30 degrees of its frame is one that is turned by 30 degrees and tilted
+// along x. An oblique drag tells 30 degrees from -30.
+TEST(PadLayout, ATiltedPunchMayBeTurned) {
+  PadScene scene = tilted_punch();
+  scene.load.drags = {{0.04, 0.02, 0}};
+  PadScene turned = scene;
+  turned.indenter.yaw = std::exchange(turned.indenter.tilt_direction, 0);
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolver solver(layer, {.cells = 8, .ladder = false});
+  const PadStep step = solver.solve(scene).steps.back(), same = solver.solve(turned).steps.back();
+  EXPECT_NEAR(step.P, same.P, 1e-12);
+  EXPECT_NEAR(step.Q[0], same.Q[0], 1e-12);
+  EXPECT_NEAR(step.Q[1], same.Q[1], 1e-12);
+  EXPECT_GT(std::abs(step.Q[1]), 0.01);
 }
 
 TEST(PadCells, JustCoverTheContact) {

@@ -173,7 +173,7 @@ class Browser:
     def open(self, path, width=1280, height=900, dark=False, sharp=1):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=sharp, mobile=width < 600)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
-        self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())
+        self.call("Page.navigate", url=path if "://" in str(path) else pathlib.Path(path).resolve().as_uri())
         while self.run("document.readyState") != "complete":
             pass
 
@@ -188,14 +188,14 @@ class Browser:
         self.run("document.head.append(Object.assign(document.createElement('style'), {textContent: '* { transition: none !important }'}))")
         return self.run(f"{FAINT_TEXTS}({LEAST_CONTRAST})")
 
-    def picture(self, selector=None, whole=True, kind="png"):
+    def picture(self, selector=None, whole=True, kind="png", quality=90):
         """Bytes of a picture of the page, or of one element; "webp" is smaller."""
         if selector:
             box = self.run(f"(r => ({{x: r.x + scrollX, y: r.y + scrollY, width: r.width, height: r.height}}))(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
         else:
             box = {"x": 0, "y": 0, "width": self.run("innerWidth"), "height": self.run("document.documentElement.scrollHeight" if whole else "innerHeight")}
         shot = self.call("Page.captureScreenshot", format=kind, captureBeyondViewport=True, clip={**box, "scale": 1},
-                         **({} if kind == "png" else {"quality": 90}))
+                         **({} if kind == "png" else {"quality": quality}))
         return base64.b64decode(shot["data"])
 
     def pdf(self):

@@ -345,16 +345,8 @@ TEST(Alarm, TellsFriction) {
   EXPECT_THAT(thrown_message<InputError>([&] { other.friction(0.5, 0.1); }), HasSubstr("does not take friction"));
 }
 
-// 10 mu / (mu + 0.5) times -1 and 8 more: S = 0.97 where its logit is 3.476, mu = 0.5 x / (1 - x) with x = 0.4524:
-// 0.413.
 TEST(Alarm, ReadsFrictionFromASlide) {
-  nn::Weights<float> weights = nn::initial_weights(nn::Topology({6, 1, 1}, nn::Activation::leaky_relu), 7);
-  std::ranges::fill(weights.values, 0.0f);
-  weights.values[4] = 1, weights.values[weights.values.size() - 2] = -10, weights.values.back() = 8;
-  nn::Model model{weights, {.friction = true}, 7, 0, "", 0, {}};
-  model.history.friction = true;
-  model.learnt = {.least_friction = 0.2f, .most_friction = 1.2f};
-  Alarm alarm(estimator_of(model), {.at = 0.8f, .touch = 0.01});
+  Alarm alarm(estimator_of(friction_network()), {.at = 0.8f, .touch = 0.01});
   alarm.next(grip(0.3f, 0.1f));
   EXPECT_NEAR(alarm.slides(), 0.413, 0.001);
   EXPECT_NEAR(alarm.next(grip(0.3f, 0.1f)).answer.slip_index, 0.97, 1e-3);

@@ -8,12 +8,14 @@
 #include <gmock/gmock.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <thread>
 
 #include "host/live/frame_reader.h"
+#include "host/live/open_source.h"
 #include "hw/csv_format.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
@@ -247,6 +249,24 @@ TEST(CsvTerminal, ALineThatHangsUpIsAnErrorOfTheDevice) {
   const std::string message = thrown_message<hw::SourceError>([&] { source.wait(1); });
   EXPECT_THAT(message, HasSubstr("unplugged?"));
   EXPECT_THROW(source.wait(1), hw::SourceError);
+}
+
+TEST(CsvTerminal, LinesOfASerialPort) {
+  const int board = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_TRUE(board >= 0 && ::grantpt(board) == 0 && ::unlockpt(board) == 0);
+  const ScratchFolder folder;
+  const std::string profile = folder.write("line.toml",
+                                           "[format]\nkind = \"csv\"\nchannels = 2\n[channels]\nnormal = [0, 1]\n"
+                                           "[calibration]\noffset = 0\ngain = 1\n");
+  const OpenSource opened = open_source(std::string("serial:") + ::ptsname(board) + "?baud=230400", profile, "");
+  termios settings{};
+  ASSERT_EQ(::tcgetattr(board, &settings), 0);
+  EXPECT_EQ(::cfgetispeed(&settings), static_cast<speed_t>(B230400));
+  EXPECT_EQ(settings.c_lflag & ECHO, 0u);
+  ASSERT_EQ(::write(board, "1,2\r\n3,4\r\n", 10), 10);
+  EXPECT_TRUE(opened.source->wait(1));
+  EXPECT_TRUE(opened.source->live());
+  ::close(board);
 }
 
 // Two sensors of a hub write their lines in turn, each with its number.

@@ -75,7 +75,10 @@ void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& m
     const std::vector<float> all = frames.next();
     if (k == 150) host->clear(), kernel->clear();
     if (k == 200) host->rest(), kernel->rest();
-    if (k == 100) host->friction(0.4f, 0.2f), kernel->friction(0.4f, 0.2f);
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      if (k == 100) host->friction(s, 0.4f, 0.2f), kernel->friction(s, 0.4f, 0.2f);
+      different += k == 250 && !same(host->slides(s), kernel->slides(s));
+    }
     host->estimate(all, expected);
     kernel->estimate(all, found);
     for (std::size_t s = 0; s < sensors.size(); ++s) {
@@ -121,6 +124,7 @@ nn::Model by_rest() {
 nn::Model with_friction() {
   nn::Model model = plain("10-6-1");
   model.scaling.friction = model.history.friction = true;
+  model.learnt = {.least_friction = 0.1f, .most_friction = 2};
   return model;
 }
 

@@ -325,6 +325,66 @@ TEST(LiveMonitor, BelowTheSmallestPeakLearntThereIsNoAnswer) {
   EXPECT_EQ(contacts({.touch = 0.01, .at = 0.8f}), (std::vector{false, true, true}));
 }
 
+/// Frames of two tactels, each at its time.
+class TimedSource final : public hw::FrameSource {
+ public:
+  struct Turn {
+    double now;  ///< s
+    double shear;
+  };
+  explicit TimedSource(std::vector<Turn> turns) : turns_(std::move(turns)) {}
+  std::optional<hw::Packet> wait(double) override {
+    bytes_.clear();
+    hw::append_csv_frame(turn_, std::nullopt, std::vector<double>{-0.1, 0, turns_[turn_].shear, 0}, bytes_);
+    now_ = turns_[turn_++].now;
+    return hw::Packet{bytes_, now_};
+  }
+  bool finished() const override { return turn_ == turns_.size(); }
+  bool live() const override { return true; }
+  double now() const override { return now_; }
+  hw::TransportCounts counts() const override { return {}; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::vector<Turn> turns_;
+  std::size_t turn_ = 0;
+  double now_ = 0;
+};
+
+// The logit of S is 8 - 10 (mu / (mu + 0.5) + 0.1 spread / (spread + 0.1) - shear). mu is read where it is 3.476 with a
+// spread of 0.05: 0.3607 without shear and 0.4418 at a shear of 0.05. It is told with a spread of 0.15, and a minute
+// later, by a drift of 0.2, with hypot(0.15, 0.2) = 0.25: logits of 3.209 and 3.094. The second reading counts for
+// 0.25^2 / (0.25^2 + 0.15^2) = 0.7353: 0.3607 (0.4418 / 0.3607)^0.7353 = 0.4187.
+TEST(LiveMonitor, FrictionIsReadFromASlideAndTrustedLessWithTime) {
+  const SensorProfile pad = parse_profile(
+      "[format]\nkind = \"csv\"\nchannels = 4\n[channels]\nnormal = [0, 1]\nshear = [2, 3]\n[calibration]\noffset = 0\n"
+      "gain = 1\nnoise = 1e-3\n",
+      "line");
+  nn::Model model = friction_network();
+  model.weights.values[2] = -1, model.weights.values[5] = 0.1f;
+  for (const std::optional<Device>& device : {std::optional<Device>(), std::optional<Device>(std::in_place, "basic")}) {
+    TimedSource source({{0, 0}, {1, 0}, {60, 0}, {60, 0.05}, {60, 0}});
+    LiveMonitor monitor(std::span(&model, 1), pad, {.late = 1e9, .friction_drift = 0.2}, device);
+    std::vector<float> logits, read;
+    int turn = 0;
+    monitor.run(source,
+                {.line =
+                     [&](const MonitorLine& line) {
+                       const float s = line.answer.slip_index;
+                       logits.push_back(std::log(s / (1 - s)));
+                     },
+                 .calls = [&] { return MonitorCalls{.slides = turn++ == 0 || turn == 4}; },
+                 .friction = [&](std::span<const float> mu) { read.insert(read.end(), mu.begin(), mu.end()); }});
+    ASSERT_EQ(logits.size(), 5u);
+    EXPECT_NEAR(logits[0], 2, 1e-3) << "8 - 10 (0.5 + 0.1)";
+    EXPECT_NEAR(logits[1], 3.209, 5e-3);
+    EXPECT_NEAR(logits[3], 3.094 + 0.5, 5e-3);
+    ASSERT_EQ(read.size(), 2u);
+    EXPECT_NEAR(read[0], 0.3607, 1e-3);
+    EXPECT_NEAR(read[1], 0.4187, 1e-3);
+  }
+}
+
 TEST(LiveMonitor, NetworksThatDoNotFitThePadsAreRefused) {
   const SensorProfile pads = joined_profile({quiet_pad(), quiet_pad()});
   const auto refused = [&](const std::vector<nn::Model>& networks, const SensorProfile& profile) {

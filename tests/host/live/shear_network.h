@@ -19,6 +19,18 @@ inline nn::Model shear_network(int axes = 2, int frames = 1) {
   return model;
 }
 
+/// A network of two tactels that takes friction: S = 1 / (1 + exp(10 mu / (mu + 0.5) - 8)). S = 0.97 where the logit is
+/// 3.476, x = mu / (mu + 0.5) = 0.4524: mu = 0.5 x / (1 - x) = 0.413.
+inline nn::Model friction_network() {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology({6, 1, 1}, nn::Activation::leaky_relu), 7);
+  std::ranges::fill(weights.values, 0.0f);
+  weights.values[4] = 1, weights.values[weights.values.size() - 2] = -10, weights.values.back() = 8;
+  nn::Model model{weights, {.friction = true}, 7, 0, "", 0, {}};
+  model.history.friction = true;
+  model.learnt = {.least_friction = 0.2f, .most_friction = 1.2f};
+  return model;
+}
+
 /// The shear of an S.
 inline float shear_of(float s) { return std::log(s / (1 - s)) / 10; }
 

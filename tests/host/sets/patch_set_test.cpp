@@ -82,13 +82,14 @@ TEST_F(PatchSet, OnAGpuTheBytesAreTheSame) {
 }
 
 // Threads of a GPU's set take chunks side by side.
+// Rounds after the first take buffers that another chunk gave back.
 TEST_F(PatchSet, ChunksSideBySideOnAGpuHaveTheSameBytes) {
-  constexpr std::size_t chunks = 6, contacts = 50;
+  constexpr std::size_t chunks = 6, contacts = 50, rounds = 10;
   Executor gpu{device().as_gpu()};
   const SetOptions options{.patch = rung_named("patch-8")};
   const SetSimulator expected(executor_, source_, options), found(gpu, source_, options);
   std::vector<ContactSet> sets(chunks);
-  {
+  for (std::size_t round = 0; round < rounds; ++round) {
     std::vector<std::jthread> threads;
     for (std::size_t k = 0; k < chunks; ++k)
       threads.emplace_back([&, k] { sets[k] = found.simulate(k * contacts, contacts); });

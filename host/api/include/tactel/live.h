@@ -155,6 +155,8 @@ class TACTEL_API LiveEstimator {
   void estimate(std::span<const float> frames, std::span<Answer> answers);
   /// As SlipHistory::friction, of every sensor whose network takes it.
   void friction(float mu, float spread);
+  /// As SlipHistory::slides, of the newest frame of one sensor. Throws InputError where there are not so many.
+  float slides(std::size_t sensor);
   /// Seeks the rest of every sensor anew from the next frame on.
   void rest();
   /// Forgets all frames.

@@ -88,6 +88,7 @@ TACTEL_API PadScene read_pad_scene(const std::string& path);
 TACTEL_API std::variant<Scene, PadScene> read_any_scene(const std::string& path);
 /// Throws InputError for the first value that the model rejects.
 TACTEL_API void validate(const PadScene& scene);
+TACTEL_API std::string toml(const PadScene& scene);
 
 /// Residual of the contact laws in a step; all relative.
 struct PadResidual {
@@ -149,6 +150,8 @@ TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {}
 /// As those of a line; the VTK file has the cells with their tractions.
 TACTEL_API std::string html(const PadPath& path, std::optional<std::size_t> step = {});
 TACTEL_API void to_html(const PadPath& path, const std::string& file, std::optional<std::size_t> step = {});
+TACTEL_API std::string json(const PadPath& path);
+TACTEL_API Convergence converge(const PadPath& path, std::optional<std::size_t> step = {});
 TACTEL_API void to_vtu(const PadPath& path, const std::string& file, std::optional<std::size_t> step = {});
 
 /// Answers of many scenes as arrays, the last index fastest; `steps` is that of the longest path. Entries beyond a

@@ -86,6 +86,9 @@ struct Scene {
 TACTEL_API Scene read_scene(const std::string& path);
 /// Throws InputError for the first value that the model rejects.
 TACTEL_API void validate(const Scene& scene);
+/// Returns the scene file of a scene, with every default filled in. Throws InputError for points of a profile that no
+/// file holds.
+TACTEL_API std::string toml(const Scene& scene);
 /// Returns the heights of an indenter above its lowest point at places x [n] mm along the array; infinite where there
 /// is no indenter.
 TACTEL_API std::vector<double> heights(const Indenter& indenter, const std::vector<double>& x);

@@ -92,6 +92,26 @@ TACTEL_API std::string html(const Path& path, std::optional<std::size_t> step = 
 /// Writes that page to a file. Throws InputError also for a file that cannot be written.
 TACTEL_API void to_html(const Path& path, const std::string& file, std::optional<std::size_t> step = {});
 
+/// Returns the JSON of `tactel solve --json`. Throws InputError for a path that solve() did not return.
+TACTEL_API std::string json(const Path& path);
+
+/// A number of a load step on ever smaller cells, continued to cells of size 0 (docs/accuracy.md).
+struct ConvergedNumber {
+  std::string name, unit;
+  double answer = 0;                  ///< of the path
+  double limit = 0, uncertainty = 0;  ///< on cells of size 0
+  double order = 0;                   ///< of convergence; 0: the values scatter, and `limit` is the last
+  std::vector<double> values{};       ///< [rungs]
+};
+struct Convergence {
+  std::size_t step = 0;                    ///< of the path
+  std::vector<double> h{};                 ///< [rungs] mm, size of cells, the largest first
+  std::vector<ConvergedNumber> numbers{};  ///< none where fewer than four rungs were solved
+};
+/// Solves the scene of a path on ever smaller cells, as `tactel solve --converge`, and judges a step (none: the last
+/// that sticks and slips). Takes seconds to minutes. Throws InputError as html().
+TACTEL_API Convergence converge(const Path& path, std::optional<std::size_t> step = {});
+
 /// Writes the VTK file of `tactel solve --field` of a step (none: the last): displacement and stress in the block. Of
 /// an answer on a mesh alone: a patch has no nodes in the block. Throws InputError.
 TACTEL_API void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step = {});
