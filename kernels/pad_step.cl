@@ -159,7 +159,8 @@ OUTLINE void answer(const Influence *influence, real accept, real force, real th
         finite_sum(finite_sum(finite_sum(finite_sum(0, f.P.v[v]), X), Y), r.drift.v[v] + r.angle.v[v]) == 0;
     const vint slides = ((touch > 0) & (f.stick.v[v] == 0)) |
                         (by_wrench ? NOT(w->met.v[v]) & w->beyond.v[v] & NOT(s->failed.v[v]) & (touch > 0) : (vint)0);
-    const vint unmet = s->failed.v[v] | NOT(finite & (worst <= accept));
+    const vint missed = by_wrench ? (w->P.v[v] > 0) & (touch == 0) : (vint)0;
+    const vint unmet = s->failed.v[v] | missed | NOT(finite & (worst <= accept));
     rows[STEP_RESULT_P] = f.P.v[v] * force;
     rows[STEP_RESULT_QX] = X * force;
     rows[STEP_RESULT_QY] = Y * force;
