@@ -52,8 +52,11 @@ std::string headline(const auto& outcome) {
                        words_of(outcome), forces_of(last));
   std::size_t first = steps.size() - 1;  // of the steps at the end in which the whole contact slides
   while (first > 0 && slides(steps[first - 1])) --first;
-  return fmt::format("The whole contact slides from load step {} on{}: S = {:.3f}, with {}.", first + 1,
-                     drag_of(steps[first]), *last.slip_index, forces_of(last));
+  const std::string there = fmt::format("{:.3f}", steps[first].slip_index.value_or(*last.slip_index)),
+                    end = fmt::format("{:.3f}", *last.slip_index);
+  return fmt::format("The whole contact slides from load step {} on{}: S = {}{}, with {}.", first + 1,
+                     drag_of(steps[first]), there, there == end ? "" : " there and " + end + " at the end",
+                     forces_of(last));
 }
 
 std::string error_text(const ExpectedError& error, const char* sigma, const char* tau, const std::string& judge) {

@@ -44,7 +44,7 @@ std::vector<Series> curves_of(const Members& members, Place place, const Drawn& 
   std::set<std::uint64_t> places;
   for (const TrainedNetwork* network : members)
     for (const CurvePoint& point : network->curve) places.insert(point.*place);
-  Series line{.label = members[0]->topology.text(), .mark = drawn.mark, .ink = ink};
+  Series line{.label = plain(members[0]->topology.text()), .mark = drawn.mark, .ink = ink};
   Series band{.mark = Mark::band, .ink = ink};
   for (const std::uint64_t at : places) {
     std::vector<double> values;

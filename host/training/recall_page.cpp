@@ -66,9 +66,9 @@ void report_recall_verdict(Page& page, const std::vector<Judged>& all, const Ans
                            all.size() > 1 ? " least" : "", errors.all.mean, errors.all.max, errors.all.count));
   const double learning = first.network->model.learning_errors.mean;
   if (first.network->model.learning_errors.count > 0)
-    page.finding(errors.all.mean <= 1.5 * learning ? Tone::good
-                 : errors.all.mean <= 5 * learning ? Tone::fair
-                                                   : Tone::poor,
+    page.finding(errors.all.mean > 5 * learning                                      ? Tone::poor
+                 : errors.all.mean > 1.5 * learning || errors.all.mean > large_error ? Tone::fair
+                                                                                     : Tone::good,
                  "generalising",
                  fmt::format("Its mean error is {:.1f} times that on its learning set ({:.4f}).",
                              errors.all.mean / learning, learning));
@@ -128,8 +128,8 @@ Figure distribution_figure(Shown shown) {
     if (network.result->errors.all.count > 0)
       most = std::max(most, network.result->errors.all.mean + 3 * network.result->errors.all.std);
   for (const Judged& network : shown)
-    figure.panels.push_back(
-        error_histogram(network.errors, most, network.name(), {{"mean", network.result->errors.all.mean, Ink::black}}));
+    figure.panels.push_back(error_histogram(network.errors, most, plain(network.name()),
+                                            {{"mean", network.result->errors.all.mean, Ink::black}}));
   return figure;
 }
 
@@ -139,8 +139,8 @@ Figure where_figure(Shown shown, const std::vector<std::string>& indenter_names)
   Panel index{.title = "by slippage index", .x_label = "true S", .y_label = "mean error of S", .zero_line = true};
   constexpr int parts = 10;
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    Series of_kind{.label = shown[i].name(), .mark = Mark::circles, .ink = inks[i]};
-    Series of_index{.label = shown[i].name(), .mark = Mark::line_dots, .ink = inks[i]};
+    Series of_kind{.label = plain(shown[i].name()), .mark = Mark::circles, .ink = inks[i]};
+    Series of_index{.label = plain(shown[i].name()), .mark = Mark::line_dots, .ink = inks[i]};
     for (const auto& [kind, errors] : shown[i].result->errors.by_class) {
       of_kind.x.push_back(kind), of_kind.y.push_back(errors.mean);
       const auto place = static_cast<std::size_t>(kind);

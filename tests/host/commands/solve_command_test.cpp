@@ -219,6 +219,20 @@ TEST(SolveCommand, PageHoldsTheAnswer) {
   EXPECT_EQ(contact_of(text_of(page))["shown"], 1);
 }
 
+// All cells slip while S is still below what the page shows as 1.
+TEST(SolveCommand, APageSaysSWhereAllOfItSlides) {
+  const ScratchFolder folder;
+  const std::string
+      scene = folder.write(
+          "pad.toml",
+          "[sensor]\nkind = \"pad\"\npitch = 4.7\nthickness = 4.0\nyoung = 0.5\npoisson = 0.48\n[indenter]\n"
+          "shape = \"sphere\"\nradius = 10\n[contact]\nfriction = 0.5\n[load]\nindentation = "
+          "0.5\ntangential_step = [0.04, 0.0]\ntangential_steps = 40\n"),
+      page = folder / "pad.html";
+  ASSERT_EQ(run_tactel({"solve", scene, "--rung", "pad-8", "--html", page}).exit_code, 0);
+  EXPECT_THAT(text_of(page), ::testing::ContainsRegex("on: S = 0\\.99[0-9] there and 1\\.000 at the end"));
+}
+
 // Of a patch: the elements' widths, and the stress of a mesh under its tractions, whose surface lies on the indenter to
 // within the two models' difference of a few percent of the depth.
 TEST(SolveCommand, PageOfAPatchHasTheFieldOfAMesh) {
