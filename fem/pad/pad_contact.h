@@ -7,6 +7,7 @@
 
 #include "fem/accuracy.h"
 #include "fem/pad/pad_cells.h"
+#include "fem/pad/pad_table.h"
 
 namespace tactel::fem {
 
@@ -68,6 +69,9 @@ class PadContact {
   /// `height` as cell_heights gives it.
   PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
              const PadOptions& options);
+  /// The same on a pad with free sides; C_zz and C_tt are then each cell's own.
+  PadContact(const PadTable& table, const PadCells& cells, Eigen::MatrixXd height, double mu,
+             const PadOptions& options);
 
   double depth = 0;                      ///< mm, set by the caller
   PadMotion motion = PadMotion::Zero();  ///< since first touch, set by the caller
@@ -107,7 +111,10 @@ class PadContact {
   double slid() const { return slid_; }
 
  private:
+  PadContact(const PadInfluence* influence, const PadTable* table, const PadCells& cells, Eigen::MatrixXd height,
+             double mu, const PadOptions& options);
   Eigen::Vector3d displacement(int ix, int iy) const;
+  Eigen::Vector3d displacement_by_table(int ix, int iy) const;
   Eigen::Vector2d path(Eigen::Index i, const PadMotion& from) const;
   Eigen::RowVector2d slip(Eigen::Index i) const;
   double sweep(double w);
@@ -115,7 +122,8 @@ class PadContact {
   bool widen();
   PadResidual residual_of_cells() const;
 
-  const PadInfluence& influence_;
+  const PadInfluence* influence_;  ///< nullptr: table_ instead
+  const PadTable* table_;
   PadCells cells_;
   Eigen::MatrixXd height_;
   double mu_;
