@@ -55,15 +55,37 @@ std::string key_of(const std::array<double, 2>& sides, double poisson, const Sid
   return key;
 }
 
+/// Takes from the tractions of the base's nodes what alternates from node to node, which bricks of mean dilatation have
+/// beside a free side: by (-1 4 10 4 -1) / 16 along x and y, which leaves cubics as they are; (1 2 1) / 4 next to the
+/// sides.
+void smooth(Eigen::MatrixXd& tractions, int bx, int by) {
+  const auto along = [&](int nodes, Eigen::Index step, Eigen::Index first) {
+    Eigen::MatrixXd old(nodes, tractions.cols());
+    for (int k = 0; k < nodes; ++k) old.row(k) = tractions.row(first + k * step);
+    for (int k = 1; k + 1 < nodes; ++k)
+      if (k == 1 || k + 2 == nodes)
+        tractions.row(first + k * step) = (old.row(k - 1) + 2 * old.row(k) + old.row(k + 1)) / 4;
+      else
+        tractions.row(first + k * step) =
+            (10 * old.row(k) + 4 * (old.row(k - 1) + old.row(k + 1)) - old.row(k - 2) - old.row(k + 2)) / 16;
+  };
+  for (int c = 0; c < 3; ++c) {
+    for (int j = 0; j < by; ++j) along(bx, 3 * by, 3 * j + c);
+    for (int i = 0; i < bx; ++i) along(by, 3, 3 * i * by + c);
+  }
+}
+
 }  // namespace
 
-SideMesh side_mesh(const std::array<double, 2>& sides, bool fine) {
+SideMesh side_mesh(const std::array<double, 2>& sides, SideBricks bricks) {
   SideMesh mesh;
   for (const int axis : {0, 1}) {
-    const int least = fine ? 16 : 12, wanted = 2 * static_cast<int>(std::ceil(sides[axis] - 1e-9));
+    const int least = bricks == SideBricks::usual ? 12 : 16,
+              wanted = 2 * static_cast<int>(std::ceil(sides[axis] - 1e-9));
     mesh.cells[axis] = std::clamp(wanted, least, 24);
   }
-  if (fine) mesh.layers = 8, mesh.growth = 1.12, mesh.along = std::max(mesh.cells[0], mesh.cells[1]) <= 16 ? 3 : 2;
+  if (bricks == SideBricks::finest)
+    mesh.layers = 8, mesh.growth = 1.12, mesh.along = std::max(mesh.cells[0], mesh.cells[1]) <= 16 ? 3 : 2;
   // A period holds the block and twelve thicknesses, beyond which an image does nothing (1e-7).
   double step = 1e300, reach = 0;
   for (const int axis : {0, 1}) {
@@ -127,6 +149,7 @@ void SideKernel::make(double poisson) {
         }
     }
   }
+  smooth(block.base, bx, by);
   quarter_ = block.surface / cell;
   base_ = block.base / (cell * brick);
 }
@@ -193,7 +216,7 @@ bool has_free_sides(const PadSensor& sensor) {
   return sensor.sides == Sides::free && sensor.length.has_value() && sensor.width.has_value();
 }
 
-PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, bool fine) {
+PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks) {
   PadSides at{nullptr, sensor.thickness, {0, 0}};
   std::array<double, 2> sides{};
   const std::array whole{sensor.length.value(), sensor.width.value()};
@@ -202,17 +225,17 @@ PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, bool fi
     sides[axis] = block / sensor.thickness;
     at.middle[axis] = std::clamp(place[axis], -spare, spare);
   }
-  using Key = std::tuple<double, double, double, bool>;
+  using Key = std::tuple<double, double, double, SideBricks>;
   static std::mutex mutex;
   static std::list<std::pair<Key, std::shared_ptr<const SideKernel>>> kept;  // the last used first
   constexpr std::size_t most_kept = 8;
-  const Key key(sides[0], sides[1], sensor.poisson, fine);
+  const Key key(sides[0], sides[1], sensor.poisson, bricks);
   const std::lock_guard lock(mutex);
   const auto found = std::ranges::find(kept, key, &decltype(kept)::value_type::first);
   if (found != kept.end())
     kept.splice(kept.begin(), kept, found);
   else
-    kept.emplace_front(key, std::make_shared<const SideKernel>(sides, sensor.poisson, side_mesh(sides, fine)));
+    kept.emplace_front(key, std::make_shared<const SideKernel>(sides, sensor.poisson, side_mesh(sides, bricks)));
   if (kept.size() > most_kept) kept.pop_back();
   at.kernel = kept.front().second;
   return at;

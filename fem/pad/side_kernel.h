@@ -26,8 +26,11 @@ struct SideMesh {
   int period = 128;      ///< bricks, of the endless layer
 };
 
-/// Returns the usual bricks of a block, sides over H: cells of H / 2, 12 to 24 along a side. `fine`: for references.
-SideMesh side_mesh(const std::array<double, 2>& sides, bool fine);
+/// Bricks of a block: the usual ones, more cells to judge them by, and more of all for references.
+enum class SideBricks { usual, finer, finest };
+
+/// Returns the bricks of a block, sides over H: cells of H / 2, 12 to 24 along a side, 16 or more of finer ones.
+SideMesh side_mesh(const std::array<double, 2>& sides, SideBricks bricks);
 
 /// The side part of a block of one shape and Poisson's ratio; lengths over H, E = 1. Some tenths of a second; a file of
 /// the cache holds it.
@@ -83,8 +86,7 @@ struct PadSides {
 };
 inline constexpr double longest_block = 12;  ///< H
 
-/// Returns the sides that a contact around a place on the pad, mm, has; kernels of this process are kept. `fine`: for
-/// references.
-PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, bool fine);
+/// Returns the sides that a contact around a place on the pad, mm, has; kernels of this process are kept.
+PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks);
 
 }  // namespace tactel::fem
