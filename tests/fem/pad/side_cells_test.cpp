@@ -165,20 +165,22 @@ TEST(SideCells, TwelveAreWithinOnePercentOfAFinerJudge) {
 
 TEST(SideCellsNightly, TwelveAreNearAFinerJudgeOnAnyRubber) {
   struct Rubber {
-    double H, poisson, P, S;
+    double H, poisson, P;
   };
-  // Stresses below a wide face on thin rubber near nu = 1/2 are steep at its edge.
-  for (const Rubber& rubber : {Rubber{4.5, 0.48, 0.0125, 0.0075},
-                               {4.5, 0.3, 0.0125, 0.0075},
-                               {2, 0.45, 0.02, 0.0075},
-                               {6, 0.4999, 0.02, 0.009},
-                               {3, 0.4999, 0.035, 0.009}})
+  // A wide face on thin rubber near nu = 1/2 bears most beside its edge, where stress is steep.
+  constexpr double most_S = 0.009;
+  for (const Rubber& rubber : {Rubber{4.5, 0.48, 0.0125},
+                               {4.5, 0.3, 0.0125},
+                               {2, 0.45, 0.015},
+                               {6, 0.4999, 0.0125},
+                               {3, 0.4999, 0.015},
+                               {2, 0.4999, 0.035}})
     for (const Judged& of : judged()) {
       const AnswerError off = beside_the_judge(of, rubber.H, rubber.poisson, SideBricks::finest);
       std::printf("H %g nu %g %-30s P %.2f %% S %.4f sigma %.1f %% tau %.1f %%\n", rubber.H, rubber.poisson, of.name,
                   100 * off.P, off.S, 100 * off.sigma, 100 * off.tau);
       EXPECT_LT(off.P, rubber.P) << of.name << " H " << rubber.H << " nu " << rubber.poisson;
-      EXPECT_LT(off.S, rubber.S) << of.name << " H " << rubber.H << " nu " << rubber.poisson;
+      EXPECT_LT(off.S, most_S) << of.name << " H " << rubber.H << " nu " << rubber.poisson;
     }
 }
 
