@@ -116,7 +116,8 @@ inline constexpr auto numbers<Pad> = std::tuple{
     Number{"young", "MPa", &Pad::young, "a number of MPa above 0", "MPa", false},
     Number{"poisson", "1", &Pad::poisson, "a number with 0 <= poisson <= 0.5", "", false},
     Number{"length", "mm", &Pad::length, "a number of mm along x", "mm along x; None: not known", false, false},
-    Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false}};
+    Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false},
+    Number{"sides", "", &Pad::sides, "", "of the rubber, where length and width are given", false, false}};
 template <>
 inline constexpr auto numbers<Load> = std::tuple{
     Number{"indentation", "mm", &Load::indentation, some_targets, "mm: targets"},

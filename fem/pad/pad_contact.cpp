@@ -41,13 +41,35 @@ FOR_EACH_PROCESSOR void add_products(const double* xx, const double* yy, const d
   u[0] += x, u[1] += y, u[2] += z;
 }
 
+/// The same of a table, whose nine planes differ.
+FOR_EACH_PROCESSOR void add_table_products(const double* const c[9], const double* n, const double* tx,
+                                           const double* ty, int count, double* u) {
+  double x = 0, y = 0, z = 0;
+#pragma omp simd reduction(+ : x, y, z)
+  for (int j = 0; j < count; ++j) {
+    x += c[0][j] * tx[j] + c[1][j] * ty[j] - c[2][j] * n[j];
+    y += c[3][j] * tx[j] + c[4][j] * ty[j] - c[5][j] * n[j];
+    z += c[6][j] * tx[j] + c[7][j] * ty[j] - c[8][j] * n[j];
+  }
+  u[0] += x, u[1] += y, u[2] += z;
+}
+
 }  // namespace
 
 double PadResidual::largest() const { return std::max({penetration, complementarity, cone, drift, angle}); }
 
 PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
                        const PadOptions& options)
+    : PadContact(&influence, nullptr, cells, std::move(height), mu, options) {}
+
+PadContact::PadContact(const PadTable& table, const PadCells& cells, Eigen::MatrixXd height, double mu,
+                       const PadOptions& options)
+    : PadContact(nullptr, &table, cells, std::move(height), mu, options) {}
+
+PadContact::PadContact(const PadInfluence* influence, const PadTable* table, const PadCells& cells,
+                       Eigen::MatrixXd height, double mu, const PadOptions& options)
     : influence_(influence),
+      table_(table),
       cells_(cells),
       height_(std::move(height)),
       mu_(mu),
@@ -63,7 +85,8 @@ PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eig
 
 /// Sums over the window. Cells may lie in the ring around the grid.
 Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
-  const PadInfluence& c = influence_;
+  if (table_) return displacement_by_table(ix, iy);
+  const PadInfluence& c = *influence_;
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   for (int jx = 0; jx < cells_.n; ++jx) {
     const auto [first, end] = columns_[jx];
@@ -78,7 +101,8 @@ Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
 /// With what the cell gives way on its own.
 Eigen::Vector3d PadContact::displacement_of_cell(int i) const {
   Eigen::Vector3d u = displacement(i / cells_.n, i % cells_.n);
-  const double along = softness(i) * influence_.own_tangential, across = softness(i) * influence_.own_normal;
+  const double along = softness(i) * (table_ ? table_->own_tangential(i) : influence_->own_tangential),
+               across = softness(i) * (table_ ? table_->own_normal(i) : influence_->own_normal);
   u += Eigen::Vector3d(along * t_(i, 0), along * t_(i, 1), -across * n_[i]);
   return u;
 }
@@ -86,6 +110,19 @@ Eigen::Vector3d PadContact::displacement_of_cell(int i) const {
 void PadContact::set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness) {
   height_ = std::move(height);
   softness_ = std::move(softness);
+}
+
+Eigen::Vector3d PadContact::displacement_by_table(int ix, int iy) const {
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (int jx = 0; jx < cells_.n; ++jx) {
+    const auto [first, end] = columns_[jx];
+    if (first == end) continue;
+    const Eigen::Index own = jx * cells_.n + first;
+    const double* rows[9];
+    for (int k = 0; k < 9; ++k) rows[k] = table_->row(ix, iy, k / 3, k % 3) + own;
+    add_table_products(rows, &n_[own], &t_(own, 0), &t_(own, 1), end - first, u.data());
+  }
+  return u;
 }
 
 /// How far the indenter has moved at a cell since `from`.
@@ -130,11 +167,15 @@ void PadContact::extrapolate(double ratio) {
 
 /// Returns the largest change over the largest pressure, tractions weighed by the root of the own influence.
 double PadContact::sweep(double w) {
-  const double per_t = w / influence_.own_tangential, per_n = w / influence_.own_normal;
-  const double weight = std::sqrt(influence_.own_tangential / influence_.own_normal);
-  double change = 0, largest = 0;
+  double per_t = 0, per_n = 0, weight = 0, change = 0, largest = 0;
+  const auto divide_by = [&](double own_normal, double own_tangential) {
+    per_t = w / own_tangential, per_n = w / own_normal;
+    weight = std::sqrt(own_tangential / own_normal);
+  };
+  if (influence_) divide_by(influence_->own_normal, influence_->own_tangential);
   for (int i = 0; i < cells_.count(); ++i) {
     if (!active_[i]) continue;
+    if (table_) divide_by(table_->own_normal(i), table_->own_tangential(i));
     const Eigen::Vector3d u = displacement_of_cell(i);
     const double whole = 1 + softness(i);  // compliance of the cell over that of a covered one
     const double n =

@@ -7,6 +7,7 @@
 
 #include "fem/accuracy.h"
 #include "fem/pad/pad_cells.h"
+#include "fem/pad/pad_table.h"
 
 namespace tactel::fem {
 
@@ -24,8 +25,9 @@ struct PadOptions {
   int most_sweeps = 2000;       ///< an increment that needs more is not converged; those after it get 300
   int most_growths = 4;         ///< times that the grid may grow
   // Of the twin alone.
-  bool whole_path = true;                  ///< false: steps after one that is not converged are left out
-  std::function<void()> between_sweeps{};  ///< may throw, which ends the solution
+  SideBricks side_bricks = SideBricks::usual;  ///< of free sides
+  bool whole_path = true;                      ///< false: steps after one that is not converged are left out
+  std::function<void()> between_sweeps{};      ///< may throw, which ends the solution
   // Of the kernel alone.
   bool any_poisson = false;  ///< scenes with a Poisson's ratio each: tables by polynomials in it, right to 1e-7
   int vectors = 0;           ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch
@@ -67,6 +69,9 @@ class PadContact {
  public:
   /// `height` as cell_heights gives it.
   PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
+             const PadOptions& options);
+  /// The same on a pad with free sides; C_zz and C_tt are then each cell's own.
+  PadContact(const PadTable& table, const PadCells& cells, Eigen::MatrixXd height, double mu,
              const PadOptions& options);
 
   /// Other heights from now on, and the compliance that each cell has of its own, [cells], over that on itself; empty:
@@ -113,9 +118,12 @@ class PadContact {
   double slid() const { return slid_; }
 
  private:
+  PadContact(const PadInfluence* influence, const PadTable* table, const PadCells& cells, Eigen::MatrixXd height,
+             double mu, const PadOptions& options);
   Eigen::Vector3d displacement(int ix, int iy) const;
   Eigen::Vector3d displacement_of_cell(int i) const;
   double softness(int i) const { return softness_.size() > 0 ? softness_[i] : 0; }
+  Eigen::Vector3d displacement_by_table(int ix, int iy) const;
   Eigen::Vector2d path(Eigen::Index i, const PadMotion& from) const;
   Eigen::RowVector2d slip(Eigen::Index i) const;
   double sweep(double w);
@@ -123,7 +131,8 @@ class PadContact {
   bool widen();
   PadResidual residual_of_cells() const;
 
-  const PadInfluence& influence_;
+  const PadInfluence* influence_;  ///< nullptr: table_ instead
+  const PadTable* table_;
   PadCells cells_;
   Eigen::MatrixXd height_;
   Eigen::VectorXd softness_;

@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace tactel::fem {
+namespace {
+
+constexpr int most_with_sides = 32;  ///< cells along a side: their table has 9 cells^2 numbers
+
+}  // namespace
 
 AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
   AnswerError e;
@@ -34,13 +39,14 @@ PadReference::PadReference(const PadLayer& layer, const PadOptions& options) : l
 /// With `parts` times the increments of the options.
 PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) const {
   PadOptions options = options_;
-  options.cells = cells, options.parts = parts;
+  options.cells = cells, options.parts = parts, options.side_bricks = SideBricks::finest;
   return PadSolver(layer_, options).solve(scene);
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {
-  PadReferenceSolution answer{solve_on(options_.cells, 1, scene), {}};
-  const PadSolution a = solve_on(options_.cells / 2, 1, scene), b = solve_on(options_.cells / 2, 2, scene);
+  const int cells = has_free_sides(scene.sensor) ? std::min(options_.cells, most_with_sides) : options_.cells;
+  PadReferenceSolution answer{solve_on(cells, 1, scene), {}};
+  const PadSolution a = solve_on(cells / 2, 1, scene), b = solve_on(cells / 2, 2, scene);
   answer.error = pad_difference(a, answer.solution);
   auto& e = answer.error;
   for (const auto member : pad_error_members) e.*member /= std::exp2(1.5) - 1;

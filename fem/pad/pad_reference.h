@@ -28,8 +28,8 @@ AnswerError pad_difference(const PadSolution& a, const PadSolution& b);
 /// The judge of the pad solver's accuracy: many cells that just cover the contact, and sweeps in fp64. Answers converge
 /// at first order in increments: with a of m and b of 2 m increments on half as many cells, totals and stresses are
 /// those of m increments plus 2 (b - a); the tractions of cells are those of m increments. The error is the difference
-/// from a, whose cells converge at order 1.5 at least, over 2^1.5 - 1. A scene takes ten seconds. Keeps a reference to
-/// the layer.
+/// from a, whose cells converge at order 1.5 at least, over 2^1.5 - 1. Pads with free sides take 32 cells at most, and
+/// finer bricks. A scene takes ten seconds. Keeps a reference to the layer.
 class PadReference {
  public:
   explicit PadReference(const PadLayer& layer, const PadOptions& options = pad_reference_options());

@@ -89,6 +89,8 @@ PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
 
 }  // namespace
 
+const char* name(Sides sides) { return sides == Sides::free ? "free" : "held"; }
+
 const char* shape_name(const PadShape& shape) {
   static_assert(pad_shapes.size() == std::variant_size_v<PadShape>);
   return pad_shapes[shape.index()];

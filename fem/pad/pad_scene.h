@@ -19,6 +19,8 @@ namespace tactel::fem {
 // in its middle, z points up from the base. A rigid indenter presses it, drags it along x and y and turns about z.
 
 using PadSensor = Pad;
+using tactel::Sides;
+const char* name(Sides sides);  ///< "free", "held"
 /// Throws ValueError, key "sensor.<member>".
 void validate(const PadSensor& sensor);
 
@@ -67,6 +69,8 @@ struct PadBox {
   }
 };
 inline constexpr Interval nowhere{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+inline constexpr PadBox everywhere{{nowhere.right, nowhere.left}, {nowhere.right, nowhere.left}};
 
 /// Returns the indenter's own edges, of a map its border: infinite where it has none.
 PadBox pad_edges(const PadShape& shape);

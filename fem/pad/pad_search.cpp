@@ -35,6 +35,77 @@ Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
   return p;
 }
 
+/// The same by an influence of each cell on each, `c` [n n][n n].
+Eigen::ArrayXd press_by(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
+  Eigen::ArrayXd p = Eigen::ArrayXd::Zero(n * n), opening = gap;
+  for (int sweep = 0; sweep < search_most_sweeps; ++sweep) {
+    double change = 0;
+    for (int i = 0; i < n * n; ++i) {
+      const double more = std::max(0.0, p[i] - opening[i] / c(i, i)) - p[i];
+      if (more == 0) continue;
+      opening += more * c.col(i).array();
+      change = std::max(change, std::abs(more));
+      p[i] += more;
+    }
+    if (change <= search_tolerance * p.maxCoeff()) break;
+  }
+  return p;
+}
+
+/// The window's cells, and where they lie on the pad.
+struct Window {
+  const PadBox& box;
+  double hx = (box.x.right - box.x.left) / n, hy = (box.y.right - box.y.left) / n;
+  Eigen::Vector2d place(int i) const { return {box.x.left + (i / n + 0.5) * hx, box.y.left + (i % n + 0.5) * hy}; }
+};
+
+/// Normal influence of a window's cells with that of the free sides, [n n][n n].
+Eigen::MatrixXd with_sides(const Eigen::MatrixXd& layer, const Window& window, const PadScene& scene,
+                           const PadFrame& frame) {
+  const SideKernel& kernel = *frame.sides.kernel;
+  const Eigen::Rotation2Dd turn(radians(scene.indenter.yaw + frame.turn));
+  const Eigen::Vector2d origin(scene.indenter.position[0], scene.indenter.position[1]);
+  std::vector<SideKernel::Shares> at;
+  for (int i = 0; i < n * n; ++i) {
+    const Eigen::Vector2d place = frame.sides.in_block(origin + turn * window.place(i));
+    at.push_back(kernel.shares(place[0], place[1]));
+  }
+  const double scale = window.hx * window.hy / frame.sides.thickness;
+  Eigen::MatrixXd to_nodes = Eigen::MatrixXd::Zero(kernel.displacement().rows() / 3, n * n), c(n * n, n * n);
+  for (int i = 0; i < n * n; ++i)
+    for (int k = 0; k < at[i].count; ++k)
+      for (Eigen::Index node = 0; node < to_nodes.rows(); ++node)
+        to_nodes(node, i) += scale * at[i].share[k] * kernel.displacement()(3 * node + 2, 3 * at[i].node[k] + 2);
+  for (int by = 0; by < n * n; ++by)
+    for (int i = 0; i < n * n; ++i) {
+      c(i, by) = layer(std::abs(i / n - by / n), std::abs(i % n - by % n));
+      for (int k = 0; k < at[i].count; ++k) c(i, by) += at[i].share[k] * to_nodes(at[i].node[k], by);
+    }
+  return c;
+}
+
+/// A box around another one, turned by so many degrees.
+PadBox turned(const PadBox& box, double degrees) {
+  if (degrees == 0) return box;
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(radians(degrees)).toRotationMatrix();
+  PadBox around{nowhere, nowhere};
+  for (const double x : {box.x.left, box.x.right})
+    for (const double y : {box.y.left, box.y.right}) {
+      if (!std::isfinite(x) || !std::isfinite(y)) return everywhere;
+      const Eigen::Vector2d at = turn * Eigen::Vector2d(x, y);
+      around.cover({{at[0], at[0]}, {at[1], at[1]}});
+    }
+  return around;
+}
+
+/// The part of an interval that lies on the rubber; one of its ends, some cells wide, where none does.
+Interval on_rubber(const Interval& a, const Interval& rubber, double least) {
+  const Interval part{std::max(a.left, rubber.left), std::min(a.right, rubber.right)};
+  if (part.right - part.left >= least) return part;
+  const double middle = std::clamp((a.left + a.right) / 2, rubber.left + least / 2, rubber.right - least / 2);
+  return {middle - least / 2, middle + least / 2};
+}
+
 /// A box around where measured heights, bilinear between their points, lie below a depth.
 PadBox low_part(const HeightMap& map, double depth) {
   const Eigen::MatrixXd& h = map.heights;
@@ -150,6 +221,54 @@ PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, boo
   return lay_cells(find_pad_contact(seen, layer), seen, cells, ladder);
 }
 
+namespace {
+
+/// Whether every frame serves an indenter alike.
+bool is_round(const PadIndenter& indenter) {
+  const PadShape& shape = indenter.shape;
+  return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cone>(shape) ||
+         (std::holds_alternative<Punch>(shape) && indenter.tilt == 0);
+}
+
+/// Makes a box sharp to shared cells, which do not resolve its rounding.
+void sharpen_box(PadIndenter& indenter, double reach, const PadBox& contact, int cells) {
+  auto* box = std::get_if<Box>(&indenter.shape);
+  const double h = std::max(contact.x.right - contact.x.left, contact.y.right - contact.y.left) / cells;
+  if (box == nullptr || !(reach > 0 && reach < straight_rim * h)) return;
+  *box = {{box->half_widths[0] + rim_end * reach, box->half_widths[1] + rim_end * reach}, 0};
+}
+
+bool lies_on_pad(const PadCells& cells, const PadScene& scene) {
+  const PadBox box = cells.box();
+  for (const double x : {box.x.left, box.x.right})
+    for (const double y : {box.y.left, box.y.right})
+      if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), x, y)) return false;
+  return true;
+}
+
+}  // namespace
+
+PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cells, const PadSides& sides) {
+  PadScene seen = scene;
+  seen.indenter = aligned(scene.indenter);
+  if (is_round(seen.indenter)) seen.indenter.yaw = 0;
+  const auto lay = [&](double turn) {
+    const PadFrame frame{turn, rubber_along(scene.sensor, seen.indenter, seen.indenter.yaw + turn), sides};
+    PadSearch found = find_pad_contact(seen, layer, frame);
+    PadLayout laid{seen.indenter, {}, found.depth};
+    const double reach = rim_reach(found, seen.indenter, scene.sensor);
+    sharpen(laid.indenter, reach, cells);
+    if (turn != 0)
+      sharpen_box(laid.indenter, reach, found.contact, cells);
+    else
+      fit_to_rim(found.contact, reach, laid.indenter, cells);
+    laid.cells = pad_cells(found.contact, laid.indenter, cells, frame.rubber, turn);
+    return laid;
+  };
+  const PadLayout own = lay(0);
+  return lies_on_pad(own.cells, seen) ? own : lay(-seen.indenter.yaw);
+}
+
 PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder) {
   PadLayout laid{scene.indenter, {}};
   const double reach = rim_reach(found, scene.indenter, scene.sensor);
@@ -159,22 +278,53 @@ PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladd
   return laid;
 }
 
-PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer) {
-  const PadBox edges = pad_edges(scene.indenter.shape);
+namespace {
+
+constexpr double least_window = 0.01;  ///< H: where the rubber ends beside the indenter
+
+/// Heights less the depth at the window's cells; +infinity beyond the pad.
+Eigen::ArrayXd gaps(const Window& window, double depth, const PadScene& scene, const PadFrame& frame) {
+  const Eigen::Rotation2Dd turn(radians(frame.turn));
+  Eigen::ArrayXd gap(n * n);
+  for (int i = 0; i < n * n; ++i) {
+    const Eigen::Vector2d at = window.place(i), own = turn * at;
+    const bool rubber =
+        !frame.sides.kernel || on_pad(scene.sensor, scene.indenter, scene.indenter.yaw + frame.turn, at[0], at[1]);
+    gap[i] = rubber ? pad_height(scene.indenter, own[0], own[1]) - depth : nowhere.left;
+  }
+  return gap;
+}
+
+}  // namespace
+
+PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer, const PadFrame& frame) {
+  PadBox edges = turned(pad_edges(scene.indenter.shape), -frame.turn);
   const double H = scene.sensor.thickness;
   // An indenter that touches nothing: some cells below its lowest part.
-  const PadBox section = rigid_section(scene.indenter, depth > 0 ? depth : 1e-6 * H);
-  PadBox window{clipped(section.x, edges.x), clipped(section.y, edges.y)}, contact = window;
+  const PadBox section = turned(rigid_section(scene.indenter, depth > 0 ? depth : 1e-6 * H), -frame.turn);
+  PadBox window{clipped(section.x, edges.x), clipped(section.y, edges.y)};
+  if (frame.sides.kernel) {
+    window = {on_rubber(window.x, frame.rubber.x, least_window * H),
+              on_rubber(window.y, frame.rubber.y, least_window * H)};
+    edges = {on_rubber(edges.x, frame.rubber.x, least_window * H),
+             on_rubber(edges.y, frame.rubber.y, least_window * H)};
+  }
+  PadBox contact = window;
   double P = 0;
   for (int round = 0; depth > 0 && round < search_rounds; ++round) {
     const double hx = (window.x.right - window.x.left) / n, hy = (window.y.right - window.y.left) / n;
     const Eigen::MatrixXd c = layer.normal_influence(H, hx, hy, n);
-    Eigen::ArrayXd gap(n * n);
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        gap[i * n + j] =
-            pad_height(scene.indenter, window.x.left + (i + 0.5) * hx, window.y.left + (j + 0.5) * hy) - depth;
-    const Eigen::ArrayXd p = press(c, gap);
+    Eigen::ArrayXd gap(n * n), p;
+    if (frame.sides.kernel) {
+      gap = gaps({window}, depth, scene, frame);
+      p = press_by(with_sides(c, {window}, scene, frame), gap);
+    } else {
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+          gap[i * n + j] =
+              pad_height(scene.indenter, window.x.left + (i + 0.5) * hx, window.y.left + (j + 0.5) * hy) - depth;
+      p = press(c, gap);
+    }
     Extent x, y;
     for (int i = 0; i < n * n; ++i)
       if (p[i] > 0) x.add(i / n), y.add(i % n);
@@ -182,7 +332,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
     if (x.last < 0) {  // nothing presses: the section is below a cell of this window
       const auto* map = std::get_if<HeightMap>(&scene.indenter.shape);
       if (map == nullptr || round > 0) break;
-      contact = window = low_part(*map, depth);
+      contact = window = turned(low_part(*map, depth), -frame.turn);
       continue;
     }
     contact = {x.pressed(window.x), y.pressed(window.y)};
@@ -192,16 +342,35 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
   return {contact, depth, P * scene.sensor.young};
 }
 
-PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer) {
+PadBox rubber_along(const PadSensor& sensor, const PadIndenter& indenter, double degrees) {
+  const double quarters = degrees / 90, whole = std::round(quarters);
+  if (std::abs(quarters - whole) > 1e-9) return everywhere;
+  const std::array middle{-indenter.position[0], -indenter.position[1]},
+      half{sensor.length.value() / 2, sensor.width.value() / 2};
+  const bool swapped = std::fmod(std::abs(whole), 2) == 1;
+  const Eigen::Vector2d at = Eigen::Rotation2Dd(-radians(90 * whole)) * Eigen::Vector2d(middle[0], middle[1]);
+  const double along_x = half[swapped], along_y = half[!swapped];
+  return {{at[0] - along_x, at[0] + along_x}, {at[1] - along_y, at[1] + along_y}};
+}
+
+bool on_pad(const PadSensor& sensor, const PadIndenter& indenter, double degrees, double x, double y) {
+  constexpr double rounding = 1e-9;
+  const Eigen::Vector2d at = Eigen::Rotation2Dd(radians(degrees)) * Eigen::Vector2d(x, y);
+  return std::abs(at[0] + indenter.position[0]) <= (1 + rounding) * *sensor.length / 2 &&
+         std::abs(at[1] + indenter.position[1]) <= (1 + rounding) * *sensor.width / 2;
+}
+
+PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer, const PadFrame& frame) {
   const double wanted = largest_normal(scene.load);
-  if (!by_force(scene) || !(wanted > 0)) return find_pad_contact_at(by_force(scene) ? 0 : wanted, scene, layer);
-  PadSearch now = find_pad_contact_at(0.1 * scene.sensor.thickness, scene, layer), before = now;
+  if (!by_force(scene) || !(wanted > 0)) return find_pad_contact_at(by_force(scene) ? 0 : wanted, scene, layer, frame);
+  PadSearch now = find_pad_contact_at(0.1 * scene.sensor.thickness, scene, layer, frame), before = now;
   double power = 1.5;  // P ~ depth^power: 1 below a flat, 1.5 for a sphere on a thick layer, more on a thin one
   for (int trial = 1; trial < search_most_depths && std::abs(now.P - wanted) > search_force_error * wanted; ++trial) {
     if (trial > 1 && now.depth != before.depth && now.P > 0 && before.P > 0)
       power = std::clamp(std::log(now.P / before.P) / std::log(now.depth / before.depth), 0.5, 4.0);
     before = now;
-    now = find_pad_contact_at(now.depth * std::clamp(std::pow(wanted / now.P, 1 / power), 0.1, 10.0), scene, layer);
+    const double depth = now.depth * std::clamp(std::pow(wanted / now.P, 1 / power), 0.1, 10.0);
+    now = find_pad_contact_at(depth, scene, layer, frame);
   }
   return now;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include "fem/pad/pad_cells.h"
 #include "fem/pad/pad_scene.h"
+#include "fem/pad/side_kernel.h"
 
 namespace tactel::fem {
 
@@ -24,14 +25,22 @@ struct PadSearch {
   double P = 0;      ///< N at that depth, without friction
 };
 
+/// The frame of a search on a pad with free sides, whose origin is the indenter's axis.
+struct PadFrame {
+  double turn = 0;             ///< degrees, from the indenter's own frame
+  PadBox rubber = everywhere;  ///< mm: where the pad's sides lie along the frame; cells beyond the pad press nothing
+  PadSides sides{};            ///< none: endless
+};
+
 /// Returns the contact of a scene. For given forces the depth is sought by secants in the logarithms of depth and
 /// force.
-PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer);
+PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer, const PadFrame& frame = {});
 
 /// What a scene is solved on.
 struct PadLayout {
   PadIndenter indenter;  ///< as the cells see it
   PadCells cells;
+  double depth = 0;  ///< mm: of the search
 };
 
 // The rounding, of radius R, of the edge of a flat may be about as small as a cell. With E' = E / (1 - nu^2), the
@@ -62,7 +71,17 @@ PadIndenter aligned(PadIndenter indenter);
 PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder);
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 
+/// The same on a pad with free sides. Where the indenter's own frame is that of the pad, but for quarter turns, cells
+/// end at the pad's edge. Otherwise they lie within the pad, or have its frame and are shared.
+PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cells, const PadSides& sides);
+
+/// Returns the pad's outline in a frame turned by so many degrees, about the indenter's axis; `everywhere` where they
+/// are no quarter turns.
+PadBox rubber_along(const PadSensor& sensor, const PadIndenter& indenter, double degrees);
+/// Whether a place in such a frame lies on the pad.
+bool on_pad(const PadSensor& sensor, const PadIndenter& indenter, double degrees, double x, double y);
+
 /// Returns the contact at a depth, in mm.
-PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer);
+PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer, const PadFrame& frame = {});
 
 }  // namespace tactel::fem

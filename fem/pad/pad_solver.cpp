@@ -8,6 +8,7 @@
 
 #include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/layer_means.h"
 #include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
@@ -17,8 +18,8 @@ namespace {
 
 constexpr int most_force_trials = 60;
 
-Eigen::Matrix2d own_to_pad(const PadIndenter& indenter) {
-  return Eigen::Rotation2Dd(radians(indenter.yaw)).toRotationMatrix();
+Eigen::Matrix2d own_to_pad(const PadIndenter& indenter, const PadCells& cells) {
+  return Eigen::Rotation2Dd(radians(cells.frame(indenter))).toRotationMatrix();
 }
 
 Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.position[0], indenter.position[1]}; }
@@ -105,17 +106,63 @@ PadOptions of_sweeps(PadOptions options, const PadScene& scene) {
   return options;
 }
 
+/// Heights at cells, +infinity also where a pad with free sides has ended.
+Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
+  Eigen::MatrixXd heights = cell_heights(cells, scene.indenter);
+  if (!has_free_sides(scene.sensor)) return heights;
+  for (int i = -1; i <= cells.n; ++i)
+    for (int j = -1; j <= cells.n; ++j)
+      if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), cells.x(i), cells.y(j)))
+        heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
+  return heights;
+}
+
+/// The table of a scene with free sides.
+PadTable table_of(const PadLayer& layer, const PadCells& cells, const PadScene& scene, const PadSides& sides) {
+  PadTable table(layer, sides, cells, own_to_pad(scene.indenter, cells), position(scene.indenter));
+  if (!cells.shared) return table;
+  const Eigen::MatrixXd shares = covered_shares(cells, scene.indenter);
+  constexpr double all = 1 - 1e-9;
+  for (int i = 0; i < cells.count(); ++i)
+    if (const double share = shares(i / cells.n + 1, i % cells.n + 1); share > 0 && share < all)
+      table.soften(i, share_compliance(share, cells, scene.sensor.poisson));
+  return table;
+}
+
+/// What a scene's cells do to each other and to the base.
+struct PadWorld {
+  std::optional<PadInfluence> influence{};
+  std::optional<PadTable> table{};  ///< with free sides, instead
+  Eigen::MatrixXd stress;
+
+  PadWorld(const PadLayer& layer, const PadOptions& options, const PadCells& cells, const PadScene& scene) {
+    if (!has_free_sides(scene.sensor)) {
+      influence.emplace(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n);
+      stress = base_stress_of_cells(layer, scene, cells);
+      return;
+    }
+    const PadSides sides = sides_at(scene.sensor, position(scene.indenter), options.side_bricks);
+    table.emplace(table_of(layer, cells, scene, sides));
+    stress = base_stress_of_cells(layer, scene, cells, sides);
+  }
+  PadContact contact(const PadOptions& options, const PadCells& cells, const PadScene& scene) const {
+    const PadOptions sweeps = of_sweeps(options, scene);
+    Eigen::MatrixXd heights = heights_on_pad(cells, scene);
+    return influence ? PadContact(*influence, cells, std::move(heights), scene.friction, sweeps)
+                     : PadContact(*table, cells, std::move(heights), scene.friction, sweeps);
+  }
+};
+
 /// A scene on its way along the load path, on one grid.
 class PadWalk {
  public:
   PadWalk(const PadLayer& layer, const PadOptions& options, const PadCells& cells, const PadScene& scene)
-      : turn_(own_to_pad(scene.indenter)),
+      : turn_(own_to_pad(scene.indenter, cells)),
         options_(options),
         scene_(scene),
         cells_(cells),
-        influence_(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n),
-        contact_(influence_, cells, cell_heights(cells, scene.indenter), scene.friction, of_sweeps(options, scene)),
-        stress_(base_stress_of_cells(layer, scene, cells)) {
+        world_(layer, options, cells, scene),
+        contact_(world_.contact(options, cells, scene)) {
     own_places_.resize(cells.count(), 2);
     for (int i = 0; i < cells.count(); ++i) own_places_.row(i) << cells.x(i / cells.n), cells.y(i % cells.n);
   }
@@ -131,9 +178,8 @@ class PadWalk {
   const PadOptions& options_;
   const PadScene& scene_;
   PadCells cells_;
-  PadInfluence influence_;
+  PadWorld world_;
   PadContact contact_;
-  Eigen::MatrixXd stress_;
   Eigen::MatrixX2d own_places_;
   DepthSearch search_;
   bool converged_ = true;
@@ -212,7 +258,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   step.tangential_force = t * turn_.transpose();
   Eigen::VectorXd tractions(3 * n.size());
   tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
-  step.stress = young * (stress_ * tractions).reshaped(stress_.rows() / 3, 3);
+  step.stress = young * (world_.stress * tractions).reshaped(world_.stress.rows() / 3, 3);
   step.residual = contact_.residual(outside);
   const bool finite =
       std::isfinite(step.P + step.Q.sum() + step.M) && step.stress.allFinite();  // a residual may be 0 beside NaN
@@ -292,17 +338,21 @@ double base_stress_work(const PadScene& scene, const PadCells& cells) {
   return stress_work(scene, cells, shares_parts(scene, cells));
 }
 
-Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
+namespace {
+
+/// Puts together the rows of all tactels. `add(place, weight, sums)` adds the base stress of each cell at a place,
+/// which is in its frame, from the axis.
+template <class Add>
+Eigen::MatrixXd stress_rows(const PadScene& scene, const PadCells& cells, Add add) {
   const Eigen::MatrixX2d tactels = tactel_places(scene.sensor);
   const Eigen::Index count = tactels.rows(), cell_count = cells.count();
-  const double H = scene.sensor.thickness, half = scene.sensor.tactel_size / 2;
+  const double half = scene.sensor.tactel_size / 2;
   const int along = points_along_tactel(scene.sensor);
   const std::vector<LegendrePoint> points = along > 1 ? legendre_points(along) : std::vector<LegendrePoint>{{0, 2}};
-  const Eigen::Matrix2d turn = own_to_pad(scene.indenter);
+  const Eigen::Matrix2d turn = own_to_pad(scene.indenter, cells);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
   turned.bottomRightCorner<2, 2>() = turn;
   Eigen::MatrixXd stress(3 * count, 3 * cell_count);
-  const bool shared = shares_parts(scene, cells);
   std::vector<PadBaseStress> sums(cell_count);
   for (Eigen::Index k = 0; k < count; ++k) {
     std::ranges::fill(sums, PadBaseStress(PadBaseStress::Zero()));
@@ -310,14 +360,7 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
       for (const LegendrePoint& q : points) {
         const Eigen::Vector2d place =
             tactels.row(k).transpose() + half * Eigen::Vector2d(p.x, q.x) - position(scene.indenter);
-        const Eigen::Vector2d own = turn.transpose() * place;
-        const double weight = p.weight * q.weight / 4;
-        std::vector<PadBaseStress> all;
-        if (shared) all = layer.base_stresses(H, cells.hx, cells.hy, cells.n, own[0] - cells.x(0), own[1] - cells.y(0));
-        for (int i = 0; i < cells.count(); ++i)
-          sums[i] += weight * (shared ? all[i]
-                                      : layer.base_stress(H, cells.hx, cells.hy, own[0] - cells.x(i / cells.n),
-                                                          own[1] - cells.y(i % cells.n)));
+        add(Eigen::Vector2d(turn.transpose() * place), p.weight * q.weight / 4, sums);
       }
     for (Eigen::Index i = 0; i < cell_count; ++i) {
       const PadBaseStress at = turned * sums[i];
@@ -331,12 +374,57 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
   return stress;
 }
 
+}  // namespace
+
+Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
+  const double H = scene.sensor.thickness;
+  const bool shared = shares_parts(scene, cells);
+  return stress_rows(scene, cells, [&](const Eigen::Vector2d& own, double weight, std::vector<PadBaseStress>& sums) {
+    std::vector<PadBaseStress> all;
+    if (shared) all = layer.base_stresses(H, cells.hx, cells.hy, cells.n, own[0] - cells.x(0), own[1] - cells.y(0));
+    for (int i = 0; i < cells.count(); ++i)
+      sums[i] += weight * (shared ? all[i]
+                                  : layer.base_stress(H, cells.hx, cells.hy, own[0] - cells.x(i / cells.n),
+                                                      own[1] - cells.y(i % cells.n)));
+  });
+}
+
+Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells,
+                                     const PadSides& sides) {
+  const Eigen::Matrix2d turn = own_to_pad(scene.indenter, cells);
+  Eigen::Matrix3d to_pad = Eigen::Matrix3d::Identity(), to_own = Eigen::Matrix3d::Identity();
+  to_pad.topLeftCorner<2, 2>() = turn;                  // of tractions x, y, z
+  to_own.bottomRightCorner<2, 2>() = turn.transpose();  // of stresses sigma_z, tau_x, tau_y
+  const auto on_pad_at = [&](double x, double y) -> Eigen::Vector2d {
+    return sides.in_block(turn * Eigen::Vector2d(x, y) + position(scene.indenter));
+  };
+  std::vector<SideKernel::Shares> shares;
+  for (int i = 0; i < cells.count(); ++i) {
+    const Eigen::Vector2d at = on_pad_at(cells.x(i / cells.n), cells.y(i % cells.n));
+    shares.push_back(sides.kernel->shares(at[0], at[1]));
+  }
+  const double H = sides.thickness, scale = cells.area() / (H * H);
+  return stress_rows(scene, cells, [&](const Eigen::Vector2d& own, double weight, std::vector<PadBaseStress>& sums) {
+    const Eigen::Vector2d at = on_pad_at(own[0], own[1]);
+    const Eigen::MatrixXd side = sides.kernel->base_stress(at[0], at[1]);
+    for (int i = 0; i < cells.count(); ++i) {
+      PadBaseStress more = PadBaseStress::Zero();
+      for (int k = 0; k < shares[i].count; ++k) more += shares[i].share[k] * side.middleCols<3>(3 * shares[i].node[k]);
+      const double x = own[0] - cells.x(i / cells.n), y = own[1] - cells.y(i % cells.n);
+      sums[i] += weight * (uniform_base_stress(layer, H, cells.hx, cells.hy, x, y) + scale * to_own * more * to_pad);
+    }
+  });
+}
+
 PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const PadScene& scene, bool ladder) {
   PadBox box = cells.box();
   box.x.left -= sides[0] * 1.5 * cells.hx;
   box.x.right += sides[1] * 1.5 * cells.hx;
   box.y.left -= sides[2] * 1.5 * cells.hy;
   box.y.right += sides[3] * 1.5 * cells.hy;
+  if (has_free_sides(scene.sensor))
+    return pad_cells(box, scene.indenter, cells.n,
+                     rubber_along(scene.sensor, scene.indenter, cells.frame(scene.indenter)), cells.turn);
   return pad_cells(box, scene.indenter, cells.n, scene.sensor.thickness, ladder);
 }
 
@@ -355,7 +443,11 @@ PadSolution PadSolver::solve(const PadScene& scene) const {
 }
 
 PadSolution PadSolver::solve_on_grown(const PadScene& scene) const {
-  auto [indenter, cells] = lay_cells(scene, layer_, options_.cells, options_.ladder);
+  auto [indenter, cells, depth] =
+      has_free_sides(scene.sensor)
+          ? lay_cells_on_pad(scene, layer_, options_.cells,
+                             sides_at(scene.sensor, position(scene.indenter), options_.side_bricks))
+          : lay_cells(scene, layer_, options_.cells, options_.ladder);
   PadScene seen = scene;
   seen.indenter = std::move(indenter);
   for (int growths = 0;; ++growths) {

@@ -74,12 +74,16 @@ double base_stress_work(const PadScene& scene, const PadCells& cells);
 /// Returns by rows [3 tactels] (sigma_z, tau_x, tau_y of each) the base stress, in the frame of the pad, of unit
 /// pressures and tractions in the indenter's own frame: columns [3 cells], n, t_x, t_y of each.
 Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells);
+/// The same on a pad with free sides, from uniform tractions on the cells.
+Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells,
+                                     const PadSides& sides);
 
 /// Returns the cells grown by one and a half cells on the sides given.
 PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const PadScene& scene, bool ladder);
 
 /// Contact on a pad, fp64, one scene at a time: the twin of the pad kernel. It shares the algorithm with the kernel,
-/// but no code. Keeps a reference to the layer, which must have the sensor's Poisson's ratio.
+/// but no code. A pad with free sides (has_free_sides) is solved on a table of its own. Keeps a reference to the layer,
+/// which must have the sensor's Poisson's ratio.
 class PadSolver {
  public:
   explicit PadSolver(const PadLayer& layer, const PadOptions& options = {});

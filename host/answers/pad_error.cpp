@@ -100,6 +100,7 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .tolerance = finer_tolerance,
                                 .pressing_increments = finer_increments(cells),
                                 .drag_increments = 2,
+                                .side_bricks = fem::SideBricks::finer,
                                 .whole_path = false};
   const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;

@@ -68,6 +68,9 @@ bool touches(const fem::PadSolution& solution) {
 
 PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   check_pad_options(options);
+  if (fem::has_free_sides(scene.sensor) && options.precision == "fp32")
+    throw ConfigError("command line", "--precision", "fp32",
+                      "fp64 where sensor.sides are free, which the host solves; the kernel solves sides that are held");
   scene.validate();
   PadOutcome outcome;
   outcome.scene = scene;
@@ -78,7 +81,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   PadJudge judge(scene);
   const auto on_rung = [&] {
     refuse_endless(scene, outcome.rung.cells);
-    if (outcome.rung.exact || options.solver == "twin")
+    if (outcome.rung.exact || options.solver == "twin" || fem::has_free_sides(scene.sensor))
       solve_on_host(outcome, options);
     else
       solve_on_device(outcome, options);

@@ -253,9 +253,8 @@ host::PadRung rung_for_pads(host::Executor& executor, const SolveOptions& option
   const std::size_t count = std::min<std::size_t>(scenes.size(), host::most_tried);
   for (std::size_t k = 0; k < count; ++k) sample.push_back(scenes[host::chosen_row(k, count, scenes.size())]);
   const std::vector<host::PadRung>& rungs = host::pad_rungs();
-  const host::PadContact<float> rough(executor, host::model_of(rungs.front()).options);
   const std::vector<fem::PadSolution> solutions =
-      host::solve_pad_contact(rough, std::span<const fem::PadScene>(sample));
+      host::PadStream(executor, host::model_of(rungs.front())).solve(std::span<const fem::PadScene>(sample));
   const auto keeps = [&](const host::PadRung& rung) {
     for (std::size_t k = 0; k < count; ++k) {
       const double depth = host::deepest(solutions[k]);

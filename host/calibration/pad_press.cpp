@@ -92,6 +92,7 @@ fem::PadScene at_state(fem::PadScene scene, const SensorState& state) {
   scene.sensor.young = std::exp(state.log_young);
   scene.sensor.poisson = state.poisson;
   scene.sensor.thickness = state.thickness;
+  scene.sensor.sides = fem::Sides::held;  // free ones take a kernel for each Poisson's ratio and thickness of a fit
   // Where the tactels are elsewhere, so is the indenter for them.
   scene.indenter.position[0] -= state.shift;
   scene.indenter.position[1] -= state.shift_y;

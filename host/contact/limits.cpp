@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fem/angles.h"
 #include "fem/number_text.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_search.h"
@@ -28,6 +29,47 @@ double missing_at_edge(double distance, double at_near, double at_far) {
   return at_near * std::pow(at_far / at_near, (distance - near) / (far - near));
 }
 
+/// Cells of a scene, as the solver lays them.
+fem::PadLayout lay(const fem::PadScene& scene, int cells) {
+  const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
+  if (fem::has_free_sides(scene.sensor))
+    return fem::lay_cells_on_pad(
+        scene, layer, cells,
+        fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]}, fem::SideBricks::usual));
+  fem::PadScene seen = scene;
+  seen.indenter = fem::aligned(scene.indenter);
+  const fem::PadSearch found = fem::find_pad_contact(seen, layer);
+  fem::PadLayout laid = fem::lay_cells(found, seen, cells, true);
+  laid.depth = found.depth;
+  return laid;
+}
+
+/// Throws ValueError for a contact that reaches nearly to where the block ends that stands for a longer pad.
+void refuse_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
+  constexpr double least = 2;  // H, where an end of the rubber moves a contact by some 0.5 %
+  const auto& position = scene.indenter.position;
+  const fem::PadSides sides = fem::sides_at(scene.sensor, {position[0], position[1]}, fem::SideBricks::usual);
+  const fem::PadBox box = laid.box();
+  const double H = sides.thickness, angle = fem::radians(laid.frame(scene.indenter));
+  const std::array whole{*scene.sensor.length, *scene.sensor.width};
+  for (const double x : {box.x.left, box.x.right})
+    for (const double y : {box.y.left, box.y.right})
+      for (const int axis : {0, 1}) {
+        const double at = position[axis] + (axis == 0 ? std::cos(angle) * x - std::sin(angle) * y
+                                                      : std::sin(angle) * x + std::cos(angle) * y);
+        const double half = sides.kernel->sides()[axis] * H / 2, middle = sides.middle[axis];
+        const auto ends_near = [&](double end) {  // an end of the block that is none of the pad
+          return std::abs(end) < whole[axis] / 2 - 1e-6 * H && std::abs(at - end) < least * H;
+        };
+        if (ends_near(middle - half) || ends_near(middle + half) || std::abs(at - middle) > half + 1e-6 * H)
+          throw ValueError(
+              "sensor.sides", "free",
+              fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
+                          "free sides extend over {:g} mm at most",
+                          fem::longest_block * H, fem::longest_block, (fem::longest_block - 2 * least) * H));
+      }
+}
+
 }  // namespace
 
 bool too_deep(double thickness, double indentation) {
@@ -43,15 +85,14 @@ double slip_limit(const fem::Sensor& sensor, double contact_width) {
 
 void refuse_endless(const fem::PadScene& scene, int cells) {
   const double H = scene.sensor.thickness;
-  fem::PadScene seen = scene;
-  seen.indenter = fem::aligned(scene.indenter);
-  const fem::PadSearch found = fem::find_pad_contact(seen, fem::pad_layer(scene.sensor.poisson));
-  const fem::PadCells laid = fem::lay_cells(found, seen, cells, true).cells;
-  const auto [least, most] = fem::solvable_sides(H, found.depth);
-  if (!fem::solvable(laid, H, found.depth))
+  const fem::PadLayout layout = lay(scene, cells);
+  const fem::PadCells& laid = layout.cells;
+  const auto [least, most] = fem::solvable_sides(H, layout.depth);
+  if (!fem::solvable(laid, H, layout.depth))
     throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
                      fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
                                  cells * least, cells * most, cells * laid.hx, cells * laid.hy));
+  if (fem::has_free_sides(scene.sensor)) refuse_beyond_block(scene, laid);
   if (scene.sensor.tactel_size > 0 && fem::base_stress_work(scene, laid) > most_stress_work)
     throw ValueError("sensor.tactel_size", fem::number_text(scene.sensor.tactel_size),
                      fmt::format("a side of fewer thicknesses ({:.3g} mm): the stress under {} x {} tactels of {:.3g} "
@@ -80,7 +121,7 @@ bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& di
 }
 
 void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance) {
-  if (!too_near_edge(scene.sensor, distance)) return;
+  if (fem::has_free_sides(scene.sensor) || !too_near_edge(scene.sensor, distance)) return;
   throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
                    fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
                                "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides, which "
@@ -92,7 +133,8 @@ int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& pos
                   double cell) {
   if (!(reach.x.left < reach.x.right)) return 0;
   int outside = cell > sensor.thickness ? outside_cells : 0;
-  if (too_near_edge(sensor, distance_to_edge(sensor, position, reach))) outside += outside_edges;
+  if (!fem::has_free_sides(sensor) && too_near_edge(sensor, distance_to_edge(sensor, position, reach)))
+    outside += outside_edges;
   if (!wide_pitch(sensor)) return outside;
   double nearest = std::numeric_limits<double>::infinity();
   const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);

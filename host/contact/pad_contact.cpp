@@ -232,8 +232,8 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
     double depth = 0;
     if (!cells) {
       depth = next->depth;
-      auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
-      scene.indenter = std::move(indenter), cells = laid;
+      fem::PadLayout laid = fem::lay_cells(*next++, scene, options.cells, options.ladder);
+      scene.indenter = std::move(laid.indenter), cells = laid.cells;
     }
     const double H = scene.sensor.thickness;
     const bool solvable = fem::solvable(*cells, H, depth);

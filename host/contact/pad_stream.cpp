@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
+#include "fem/pad/pad_layers.h"
+#include "host/contact/limits.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
 #include "host/support/stop_scope.h"
@@ -18,14 +21,37 @@ constexpr int finest_cells = 24;
 
 bool any(const std::array<bool, 4>& sides) { return std::ranges::find(sides, true) != sides.end(); }
 
+/// A launch of no kernel: of scenes that the host solves, all of them again.
+class NoLaunch final : public ContactLaunch<PadContacts> {
+ public:
+  void add(const fem::PadScene&, const PadPath& path) override { steps_.push_back(path.steps.size()); }
+  void lay_out() override {}
+  void run(const RunOptions&) override {}
+  void open() override {}
+  LaneAnswer answer(std::size_t i) const override {
+    LaneAnswer none{};
+    none.steps = static_cast<int>(steps_[i]);
+    return none;
+  }
+  std::span<const std::size_t> by_lane() const override { return {}; }
+  std::size_t steps() const override { return std::accumulate(steps_.begin(), steps_.end(), std::size_t{0}); }
+  double seconds() const override { return 0; }
+
+ private:
+  std::vector<std::size_t> steps_;  ///< [scenes]
+};
+
 template <class Real>
 class OnPads final : public SensorSolver<PadContacts> {
  public:
-  explicit OnPads(const PadContact<Real>& contact) : contact_(contact) {}
+  OnPads(const PadContact<Real>& contact, bool free_sides) : contact_(contact), free_sides_(free_sides) {}
   std::unique_ptr<ContactLaunch<PadContacts>> launch() const override {
+    if (free_sides_) return std::make_unique<NoLaunch>();
     return std::make_unique<LaunchOf<PadContacts, PadContact<Real>>>(contact_);
   }
-  bool holds(const LaneAnswer& answer) const override { return answer.solved() && !any(penetrated_sides(answer)); }
+  bool holds(const LaneAnswer& answer) const override {
+    return !free_sides_ && answer.solved() && !any(penetrated_sides(answer));
+  }
   std::vector<fem::PadSolution> solve(std::span<const fem::PadScene> scenes,
                                       std::span<const LaneAnswer>) const override {
     return solve_pad_contact(contact_, scenes);
@@ -33,12 +59,16 @@ class OnPads final : public SensorSolver<PadContacts> {
 
  private:
   PadContact<Real> contact_;
+  bool free_sides_;
 };
 
 /// Solves by the twin what the kernel did not.
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
-  const auto layer = contact.layer(scene.sensor.poisson);
+  const bool free_sides = fem::has_free_sides(scene.sensor);
+  if (free_sides) refuse_endless(scene, contact.options().cells);
+  const auto layer = free_sides ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene.sensor.poisson))
+                                : contact.layer(scene.sensor.poisson);
   fem::PadOptions exact = contact.options();
   exact.tolerance = std::min(exact_tolerance, exact.tolerance);
   exact.most_sweeps = fem::PadOptions{}.most_sweeps, exact.most_growths = fem::PadOptions{}.most_growths;
@@ -84,14 +114,15 @@ PadContacts::PadContacts(Executor& executor, const PadModel& model)
                                                   : decltype(contact_)(PadContact<double>(executor, model.options))) {}
 
 PadKey PadContacts::key(const fem::PadSensor& s, ContactKind) {
-  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s)}};
+  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s), fem::has_free_sides(s)}};
 }
 
 std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::PadSensor& sensor) const {
   return std::visit(
       [&]<class Real>(const PadContact<Real>& contact) -> std::shared_ptr<const SensorSolver<PadContacts>> {
-        contact.layer(sensor.poisson);
-        return std::make_shared<OnPads<Real>>(contact);
+        const bool free_sides = fem::has_free_sides(sensor);
+        if (!free_sides) contact.layer(sensor.poisson);
+        return std::make_shared<OnPads<Real>>(contact, free_sides);
       },
       contact_);
 }
@@ -111,6 +142,15 @@ template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells) {
   const fem::PadOptions& options = contact.options();
+  const auto is_free = [](const fem::PadScene& scene) { return fem::has_free_sides(scene.sensor); };
+  if (const auto free = std::ranges::count_if(scenes, is_free); free > 0) {
+    if (static_cast<std::size_t>(free) < scenes.size() || !cells.empty())
+      throw std::invalid_argument("solve_pad_contact: the kernel has no free sides");
+    std::vector<fem::PadSolution> solutions(scenes.size());
+    side_by_side(scenes.size(), contact.executor().threads(),
+                 [&](std::size_t k) { solutions[k] = by_twin(contact, scenes[k]); });
+    return solutions;
+  }
   std::vector<fem::PadSolution> solutions(scenes.size());
   std::span<const fem::PadScene> now = scenes;
   std::vector<fem::PadScene> again;

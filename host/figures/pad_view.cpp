@@ -107,9 +107,10 @@ class PadBuilder {
   Json sensor_json() const {
     const fem::PadSensor& sensor = scene_.sensor;
     const auto side = [](const std::optional<double>& given) { return given ? Json(*given) : Json(); };
-    return {{"tactels", sensor.tactels},    {"pitch", sensor.pitch},         {"size", sensor.tactel_size},
-            {"axes", sensor.axes},          {"length", side(sensor.length)}, {"width", side(sensor.width)},
-            {"thickness", sensor.thickness}};
+    return {{"tactels", sensor.tactels},     {"pitch", sensor.pitch},
+            {"size", sensor.tactel_size},    {"axes", sensor.axes},
+            {"length", side(sensor.length)}, {"width", side(sensor.width)},
+            {"thickness", sensor.thickness}, {"sides", fem::has_free_sides(sensor) ? "free" : "held"}};
   }
 
   Json cells_json() const {

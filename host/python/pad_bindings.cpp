@@ -42,24 +42,27 @@ void bind_pad_shapes(py::module_& m) {
 }
 
 void bind_pad_sensor(py::module_& m) {
-  auto pad =
-      value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
-                       {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width"});
+  py::enum_<Sides>(m, "Sides", "Sides of a pad.").value("free", Sides::free).value("held", Sides::held);
+  auto pad = value_class<Pad>(
+      m, "Pad", "A layer of rubber with tactels along x and y.",
+      {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width", "sides"});
   add_fields(pad);
   pad.def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
                       Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
-                      std::optional<double> length, std::optional<double> width) {
+                      std::optional<double> length, std::optional<double> width, Sides sides) {
             const double* both = std::get_if<double>(&pitch);
             return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
                        tactel_size, axes,
                        thickness,   young,
                        poisson,     length,
-                       width};
+                       width,       sides};
           }),
           "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
-          "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(),
+          "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(), "sides"_a = Sides::free,
           "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
-          "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known.");
+          "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known; "
+          "sides: of "
+          "a pad whose length and width are given, free, or held as if the rubber went on.");
   value_class<PadIndenter>(m, "PadIndenter", "A shape on a pad: its place, and how it is turned.",
                            {"shape", "position", "yaw", "tilt", "tilt_direction"})
       .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction) {

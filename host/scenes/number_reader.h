@@ -56,6 +56,9 @@ inline bool read_number(TomlTable& in, const char* key, fem::Element& value, con
 inline bool read_number(TomlTable& in, const char* key, fem::StressRecovery& value, const char*) {
   return read_word(in, key, value, {fem::StressRecovery::reaction, fem::StressRecovery::element});
 }
+inline bool read_number(TomlTable& in, const char* key, fem::Sides& value, const char*) {
+  return read_word(in, key, value, {fem::Sides::free, fem::Sides::held});
+}
 
 /// Reads the numbers of a struct. Where it is `complete`, those that are needed must be there.
 template <class T>

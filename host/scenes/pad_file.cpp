@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/pad_file.h"
 
+#include "fem/pad/side_kernel.h"
 #include "host/scenes/number_reader.h"
 #include "host/scenes/profile_csv.h"
 #include "host/scenes/scene_tables.h"
@@ -15,8 +16,10 @@ void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   in.refuse_any({"model", "columns", "rows", "grading", "element", "stress", "tactel_span", "tactel_width"},
                 left_out_of_a_pad);
   in.read_choice("kind", sensor_kinds);
-  const bool thick = in.has("thickness");
+  const bool thick = in.has("thickness"), sides = in.has("sides");
   read_numbers(in, sensor, false);
+  if (sides && sensor.sides == fem::Sides::free && !fem::has_free_sides(sensor))
+    in.refuse("sides", "\"held\", or given with sensor.length and sensor.width, between which sides are free");
   in.finish();
   if (!thick) in.refuse_missing("thickness", "given, the thickness of the rubber in mm");
 }

@@ -18,6 +18,7 @@ void put_value(SceneJson& out, const char* key, const Value& value) {
 }
 void put_value(SceneJson& out, const char* key, fem::Element element) { out[key] = fem::name(element); }
 void put_value(SceneJson& out, const char* key, fem::StressRecovery recovery) { out[key] = fem::name(recovery); }
+void put_value(SceneJson& out, const char* key, fem::Sides sides) { out[key] = fem::name(sides); }
 template <class Value>
 void put_value(SceneJson& out, const char* key, const std::optional<Value>& value) {
   if (value) out[key] = *value;
@@ -62,6 +63,7 @@ SceneJson sensor_json(const fem::Scene& scene) {
 SceneJson sensor_json(const fem::PadScene& scene) {
   SceneJson out = {{"kind", "pad"}};
   add_numbers(out, scene.sensor);
+  if (!scene.sensor.length || !scene.sensor.width) out.erase("sides");  // not known
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <tuple>
 
+#include "fem/pad/side_kernel.h"
 #include "host/scenes/distributed_keys.h"
 #include "host/scenes/distribution.h"
 #include "host/scenes/pad_file.h"
@@ -98,7 +99,10 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
-  return read_pad(file);
+  fem::PadScene scene = read_pad(file);
+  // Sets of free sides are solved on the host, some 50 times slower: they are asked for.
+  if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
+  return scene;
 }
 
 /// Name of a measured file of a shape, and the checksum of its numbers.
@@ -358,9 +362,16 @@ void SweepReaderOf<fem::Scene>::read_own_sensors(SceneSource& source, SceneSourc
 /// The same on pads.
 template <>
 void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource::Part&& part) {
-  static const auto poisson = number_place<fem::PadScene>("sensor.poisson", "");
+  static const auto poisson = number_place<fem::PadScene>("sensor.poisson", ""),
+                    thickness = number_place<fem::PadScene>("sensor.thickness", "");
   source.own_sensors_.emplace();
   for (const PadSource::Alternative& from : part.alternatives) {
+    const bool own_sides =
+        std::ranges::any_of(from.draws, [](const auto& d) { return d.place == poisson || d.place == thickness; });
+    if (own_sides && fem::has_free_sides(from.scene.sensor))
+      throw file_.error("sensor.sides", nullptr,
+                        "\"held\" where each contact draws its own thickness or Poisson's ratio: free sides of each "
+                        "take tenths of a second; or [sweep] sensors = n, for n sensors that the contacts share");
     for (const PadSource::NumberDraw& d : from.draws) {
       const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
       source.own_sensors_->any_poisson |=

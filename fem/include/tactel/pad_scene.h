@@ -9,6 +9,9 @@
 
 namespace tactel {
 
+/// Sides of a pad whose length and width are given: `free` of stress, or `held`, as if the rubber went on without end.
+enum class Sides { free, held };
+
 /// The rubber and its tactels.
 struct Pad {
   std::array<int, 2> tactels{4, 4};         ///< along x and y
@@ -19,6 +22,7 @@ struct Pad {
   double young = 2.0;                       ///< MPa
   double poisson = 0.45;                    ///< 0 <= poisson <= 0.5
   std::optional<double> length{}, width{};  ///< mm: the rubber along x and y; none: not known
+  Sides sides = Sides::free;                ///< where length and width are given; else they are held
   bool operator==(const Pad&) const = default;
 };
 

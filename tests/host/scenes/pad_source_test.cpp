@@ -35,6 +35,19 @@ std::string message_of(const std::string& text) {
   return thrown_message<ConfigError>([&] { pads(text); });
 }
 
+TEST(PadSource, SidesAreHeldUnlessAskedFor) {
+  const std::string outline = sensor + "length = 20\nwidth = 20\n";
+  EXPECT_EQ(pads(head + outline + sphere + press).contact(0).scene.sensor.sides, fem::Sides::held);
+  EXPECT_EQ(pads(head + outline + "sides = \"free\"\n" + sphere + press).contact(0).scene.sensor.sides,
+            fem::Sides::free);
+  const std::string drawn =
+      "[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\nlength = 20\nwidth = 20\nsides = \"free\"\n";
+  EXPECT_THAT(message_of(head + drawn + sphere + press),
+              AllOf(HasSubstr("sensor.sides"), HasSubstr("\"held\" where each contact draws")));
+  EXPECT_EQ(pads("[sweep]\ncontacts = 500\nsensors = 3\n" + drawn + sphere + press).contact(0).scene.sensor.sides,
+            fem::Sides::free);
+}
+
 TEST(PadSource, DrawsEveryNumberFromItsRange) {
   const PadSource sweep = pads(
       head +

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "fem/condensation.h"
+#include "fem/pad/pad_scene.h"
+
+namespace tactel::fem {
+
+// What the free sides of a pad add to the endless layer: the block of bricks less an endless layer of the same bricks,
+//
+//     C = C_layer + (C_block - C_endless),
+//
+// where singular parts and errors of the bricks cancel, so that the difference is smooth: cubics between the cells of a
+// coarse grid give it at any two places. Against 96 x 96 x 10 bricks, 12 x 12 cells leave P .2 to .7 % and S .004.
+
+/// The bricks of a side kernel.
+struct SideMesh {
+  std::array<int, 2> cells{12, 12};  ///< along x and y, even
+  int along = 2;                     ///< bricks along a side of a cell
+  int layers = 6;
+  double growth = 1.15;  ///< of the layers, from the surface down
+  int period = 128;      ///< bricks, of the endless layer
+};
+
+/// Bricks of a block: the usual ones, more cells to judge them by, and more of all for references.
+enum class SideBricks { usual, finer, finest };
+
+/// Returns the bricks of a block, sides over H: cells of H / 2, 12 to 24 along a side, 16 or more of finer ones.
+SideMesh side_mesh(const std::array<double, 2>& sides, SideBricks bricks);
+
+/// The side part of a block of one shape and Poisson's ratio; lengths over H, E = 1. Some tenths of a second; a file of
+/// the cache holds it.
+class SideKernel {
+ public:
+  /// 0 <= poisson <= 1/2, above 0.49999 of that.
+  SideKernel(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh,
+             const std::filesystem::path& cache_directory = default_cache_directory());
+
+  const std::array<double, 2>& sides() const { return sides_; }
+  const SideMesh& mesh() const { return mesh_; }
+
+  /// Nodes of the grid with their weights, at a place: x, y from the block's middle; cubic in each direction. None
+  /// beyond the block.
+  struct Shares {
+    std::array<int, 16> node;  ///< [i cells[1] + j]
+    std::array<double, 16> share;
+    int count = 0;
+  };
+  Shares shares(double x, double y) const;
+
+  /// Displacement of the surface by a unit force on it, between nodes: [3 nodes][3 nodes], x, y, z of each.
+  const Eigen::MatrixXd& displacement() const { return displacement_; }
+
+  /// Stress on the base at a place, rows sigma_z, tau_x, tau_y, by unit forces on the nodes: [3][3 nodes].
+  Eigen::MatrixXd base_stress(double x, double y) const;
+
+ private:
+  int nodes() const { return mesh_.cells[0] * mesh_.cells[1]; }
+  int quarter() const { return nodes() / 4; }
+  std::array<int, 2> base_nodes() const { return {mesh_.cells[0] * mesh_.along + 1, mesh_.cells[1] * mesh_.along + 1}; }
+  void make(double poisson);
+  void unfold();
+
+  std::array<double, 2> sides_;
+  SideMesh mesh_;
+  Eigen::MatrixXd quarter_;  ///< [3 nodes][3 nodes of the quarter x > 0, y > 0]: columns of displacement_
+  Eigen::MatrixXd base_;     ///< [3 base nodes][3 nodes of the quarter]: tau_x, tau_y, sigma_z
+  Eigen::MatrixXd displacement_;
+};
+
+/// Whether the sides of a pad are free in its model.
+bool has_free_sides(const PadSensor& sensor);
+
+/// The free sides of a pad, where a contact on it lies. Of pads longer than longest_block H the contact sees a block of
+/// that length, flush with the nearer side.
+struct PadSides {
+  std::shared_ptr<const SideKernel> kernel;
+  double thickness = 1;          ///< mm
+  Eigen::Vector2d middle{0, 0};  ///< mm on the pad: the block's
+
+  Eigen::Vector2d in_block(const Eigen::Vector2d& place) const { return (place - middle) / thickness; }
+};
+inline constexpr double longest_block = 12;  ///< H
+
+/// Returns the sides that a contact around a place on the pad, mm, has; kernels of this process are kept.
+PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks);
+
+}  // namespace tactel::fem
