@@ -14,8 +14,9 @@
 
    A lane's result depends on nothing but the lane, as there.
 
-   Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl. */
-// defines: CELLS=8 VECTORS=1
+   Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, and DENSE (0 | 1): with a table of all pairs of
+   cells, where what a cell does depends on its place. */
+// defines: CELLS=8 VECTORS=1 DENSE=1
 #define STEPPED 1
 #define OWN_TABLES 0
 #include "pad/nearby.h"
@@ -73,7 +74,8 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
   }
 }
 
-static void load_cells(global const vreal *soft, global const vreal *state, const State *s, Cells *c) {
+static void load_cells(const Influence *influence, global const vreal *soft, global const vreal *state, const State *s,
+                       Cells *c) {
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     global const vreal *own = state + v * STATE_ROWS + i;
     c->n[i].v[v] = own[STEP_N * COUNT];
@@ -83,7 +85,15 @@ static void load_cells(global const vreal *soft, global const vreal *state, cons
     c->tx_last[i].v[v] = own[STEP_TX_LAST * COUNT];
     c->ty_last[i].v[v] = own[STEP_TY_LAST * COUNT];
     c->soft[i].v[v] = PICK(s->valid.v[v], soft[v * COUNT + i], ALL_LANES(0));
-    c->per_own[i].v[v] = 1 / (1 + c->soft[i].v[v]);
+#if DENSE
+    global const real *own_entry = influence->table + (size_t)PAD_PAIR * (COUNT + 1) * i;
+    const real own_n = own_entry[PAD_ZZ], own_t = fmax(own_entry[PAD_XX], own_entry[PAD_YY]);
+#else
+    (void)influence;
+    const real own_n = 1, own_t = 1;
+#endif
+    c->per_own_n[i].v[v] = 1 / (own_n + c->soft[i].v[v]);
+    c->per_own_t[i].v[v] = 1 / (own_t + c->soft[i].v[v]);
     c->ux[i].v[v] = c->uy[i].v[v] = 0;
     c->uz[i].v[v] = own[STEP_UZ * COUNT];
   }
@@ -187,7 +197,7 @@ OUTLINE void answer(const Influence *influence, real accept, real force, real th
   }
 }
 
-/* table [PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE]; heights, soft [group][vector][cells][lane]: over H, the lowest
+/* table [PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], DENSE [PAD_TABLE_HEAD + cells cells PAD_PAIR]; heights, soft [group][vector][cells][lane]: over H, the lowest
    of a lane is where its depth counts from, PAD_OPEN where there is no object; 1 / f - 1. The other arrays are as
    kernels/shared/pad_step_layout.h has them. kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near
    up to that part of the depth above it; travel: the longest motion of a solve along the pad. */
@@ -196,8 +206,12 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
                      real tolerance, real accept, real force_tolerance, int most_sweeps, int most_solves, real reach,
                      real travel, global vreal *state, global real *result) {
   TAKE_GROUP(group);
-  const Influence influence = {table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS), table[PAD_ROOT_ZZ],
-                               table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
+#if DENSE
+  global const real *entries = table + PAD_TABLE_HEAD;
+#else
+  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
+#endif
+  const Influence influence = {entries, table[PAD_ROOT_ZZ], table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
   const Stiffness stiff = {kt, kr};
   const size_t vector = group * VECTORS;
   input += vector * STEP_INPUT_ROWS;
@@ -211,7 +225,7 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
   Target target;
   Lanes missing[3];
   load_numbers(&influence, input, heights, soft, state, &s);
-  load_cells(soft, state, &s, &c);
+  load_cells(&influence, soft, state, &s, &c);
   list_pressing(&c);
   if (by_wrench) {
     first_pose(&influence, &stiff, input, state + STEP_FIELDS * COUNT, STATE_ROWS, force_tolerance, travel, &c, &s,

@@ -82,11 +82,30 @@ void check(const StepOptions& options) {
   if (options.most_solves < 1) throw ValueError("most_solves", std::to_string(options.most_solves), "1 or more");
 }
 
+/// The kernel's table of pairs, after the head of one of the layer alone.
+std::vector<double> table_of_pairs(const PairInfluence& pairs, const std::vector<double>& of_layer, double thickness) {
+  constexpr int x = 0, y = 1, z = 2;
+  const double zz = of_layer[PAD_ROOT_ZZ] * of_layer[PAD_ROOT_ZZ], tt = of_layer[PAD_ROOT_TT] * of_layer[PAD_ROOT_TT],
+               zt = of_layer[PAD_ROOT_ZZ] * of_layer[PAD_ROOT_TT];
+  std::vector<double> table(of_layer.begin(), of_layer.begin() + PAD_TABLE_HEAD);
+  for (std::size_t k = 0; k < pairs.size(); k += 9) {
+    const auto number = [&](int to, int by) { return pairs[k + static_cast<std::size_t>(3 * to + by)] / thickness; };
+    double entry[PAD_PAIR] = {};  // n is the negative of a force along z
+    entry[PAD_ZZ] = number(z, z) / zz, entry[PAD_XX] = number(x, x) / tt, entry[PAD_YY] = number(y, y) / tt;
+    entry[PAD_XY] = number(x, y) / tt, entry[PAD_XZ] = number(x, z) / zt, entry[PAD_YZ] = number(y, z) / zt;
+    entry[PAD_PAIR_ZX] = -number(z, x) / zt, entry[PAD_PAIR_ZY] = -number(z, y) / zt;
+    entry[PAD_PAIR_YX] = number(y, x) / tt;
+    table.insert(table.end(), std::begin(entry), std::end(entry));
+  }
+  return table;
+}
+
 }  // namespace
 
 template <class Real>
 struct PadStepper<Real>::State {
-  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given)
+  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given,
+        const PairInfluence& pairs)
       : executor(executor), pad(pad), options(given), count(count), cells(fem::fixed_cells(given.cells, given.cell)) {
     fem::validate(pad);
     check(options);
@@ -107,8 +126,9 @@ struct PadStepper<Real>::State {
                     Defines{{"REAL", real_type(precision)},
                             {"LANES", std::to_string(width)},
                             {"CELLS", std::to_string(options.cells)},
-                            {"VECTORS", std::to_string(vectors)}});
-    make_tables();
+                            {"VECTORS", std::to_string(vectors)},
+                            {"DENSE", std::to_string(!pairs.empty())}});
+    make_tables(pairs);
     make_arrays();
     make_launches();
   }
@@ -122,7 +142,7 @@ struct PadStepper<Real>::State {
     return (contact / width * rows + row) * width + contact % width;
   }
 
-  void make_tables();
+  void make_tables(const PairInfluence& pairs);
   void make_arrays();
   void make_launches();
   void put_input(std::size_t first, std::size_t numbers, std::span<const double> from, std::span<const double> units);
@@ -149,14 +169,18 @@ struct PadStepper<Real>::State {
 };
 
 template <class Real>
-void PadStepper<Real>::State::make_tables() {
+void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   const double H = pad.thickness;
   const auto real = [](const std::vector<double>& numbers) {
     return std::vector<Real>(numbers.begin(), numbers.end());
   };
   const PadTables tables(pad.poisson, cells.n, true);
-  const std::vector<double> influence = tables.shared_influence(cell_size(cells, H));
+  std::vector<double> influence = tables.shared_influence(cell_size(cells, H));
   root_zz = influence[PAD_ROOT_ZZ], root_tt = influence[PAD_ROOT_TT];
+  if (!pairs.empty()) {
+    check_size("pairs", pairs.size(), 9 * cell_count() * cell_count());
+    influence = table_of_pairs(pairs, influence, H);
+  }
   table = Buffer<Real>(device(), std::span<const Real>(real(influence)));
   const StickingDisc disc(*tables.layer());
   kt = disc.kt, kr = disc.kr;
@@ -268,8 +292,8 @@ void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
 
 template <class Real>
 PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count,
-                             std::span<const double> friction, const StepOptions& options)
-    : state_(std::make_unique<State>(executor, pad, count, options)) {
+                             std::span<const double> friction, const StepOptions& options, const PairInfluence& pairs)
+    : state_(std::make_unique<State>(executor, pad, count, options, pairs)) {
   set_friction(friction);
 }
 template <class Real>

@@ -13,6 +13,10 @@
 
 namespace tactel::host {
 
+/// What cells fixed to a pad do to each other where that depends on their places, as on rubber with sides:
+/// [place][source] [displacement x, y, z][force x, y, z] mm by a traction of 1 at E = 1. Empty: rubber without sides.
+using PairInfluence = std::vector<double>;
+
 /// Many contacts with one pad that take one increment a call, each on from the state that the last left in the device's
 /// buffers: launcher of kernels/pad_step.cl. Its twin is fem::SteppedContact. Move only.
 template <class Real>
@@ -20,7 +24,7 @@ class PadStepper {
  public:
   /// `friction` [count] or one for all. Throws ValueError for a pad, a number or an option that is not served.
   PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count, std::span<const double> friction,
-             const StepOptions& options = {});
+             const StepOptions& options = {}, const PairInfluence& pairs = {});
   ~PadStepper();
   PadStepper(PadStepper&&) noexcept;
   PadStepper& operator=(PadStepper&&) noexcept;

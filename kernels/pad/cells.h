@@ -12,6 +12,10 @@
 #ifndef STEPPED
 #define STEPPED 0
 #endif
+/* DENSE 1, of steps alone: the table has an entry for each pair of cells, of rubber with sides. */
+#ifndef DENSE
+#define DENSE 0
+#endif
 
 #define COUNT (CELLS * CELLS)
 #define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
@@ -40,10 +44,10 @@ typedef struct {
   int list[COUNT], at[COUNT], listed; /* cells in the window of lanes that sweep: index, place in a shared table */
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
 #if STEPPED
-  Lanes soft[COUNT];           /* compliance of its own that a cell adds, over that of a cell on itself */
-  Lanes per_own[COUNT];        /* 1 / all that a cell does to itself: a row of a sweep is divided by it */
-  Masks near[COUNT];           /* of each lane: cells that the indenter may touch */
-  int near_list[COUNT], nears; /* those of any lane */
+  Lanes soft[COUNT];                        /* compliance of its own that a cell adds, over that of a cell on itself */
+  Lanes per_own_n[COUNT], per_own_t[COUNT]; /* 1 / all that a cell does to itself: rows of a sweep are divided by it */
+  Masks near[COUNT];                        /* of each lane: cells that the indenter may touch */
+  int near_list[COUNT], nears;              /* those of any lane */
 #endif
 } Cells;
 
@@ -101,17 +105,29 @@ typedef struct {
   Lanes zn, zx, zy, xx, xy, xn, yx, yy, yn;
 } Sums;
 
+#if DENSE
+#define NUMBER_ZX PAD_PAIR_ZX
+#define NUMBER_ZY PAD_PAIR_ZY
+#define NUMBER_YX PAD_PAIR_YX
+#define AT_TABLE(i) (PAD_PAIR * (i)) /* where the entry of source i lies from the first of a place */
+#else
+#define NUMBER_ZX PAD_XZ
+#define NUMBER_ZY PAD_YZ
+#define NUMBER_YX PAD_XY
+#define AT_TABLE(i) (PAD_INFLUENCE * ((i) / CELLS * SPAN + (i) % CELLS))
+#endif
+
 /* Adds the products of cell j and its entry of the table. */
 INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
   EACH_VECTOR(v) {
     const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
     s->zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, s->zn.v[v]);
-    s->zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, s->zx.v[v]);
-    s->zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, s->zy.v[v]);
+    s->zx.v[v] = fma(ALL_LANES(t[NUMBER_ZX]), tx, s->zx.v[v]);
+    s->zy.v[v] = fma(ALL_LANES(t[NUMBER_ZY]), ty, s->zy.v[v]);
     s->xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, s->xx.v[v]);
     s->xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, s->xy.v[v]);
     s->xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, s->xn.v[v]);
-    s->yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, s->yx.v[v]);
+    s->yx.v[v] = fma(ALL_LANES(t[NUMBER_YX]), tx, s->yx.v[v]);
     s->yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, s->yy.v[v]);
     s->yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, s->yn.v[v]);
   }
@@ -141,7 +157,11 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
   }
   if (ix < CELLS - 1) TURN_X(s);
 #else
+#if DENSE
+  global const real *row = influence->table + (size_t)PAD_PAIR * COUNT * (ix * CELLS + iy);
+#else
   global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
+#endif
   ROLLED for (int k = 0; k < c->listed; ++k) add_products(row + c->at[k], c, c->list[k], &s);
 #endif
   EACH_VECTOR(v) {
@@ -161,7 +181,7 @@ static void list_cells(const Masks *lanes, Cells *c) {
       for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v] & lanes->v[v];
       const int found = ANY(any);
       c->list[listed] = i;
-      c->at[listed] = PAD_INFLUENCE * (x * SPAN + i - x * CELLS);
+      c->at[listed] = AT_TABLE(i);
       listed += found;
       from = found && to == 0 ? i : from;
       to = found ? i + 1 : to;

@@ -13,7 +13,7 @@ static void list_pressing(Cells *c) {
     vint any = c->n[i].v[0] > 0;
     for (int v = 1; v < VECTORS; ++v) any |= c->n[i].v[v] > 0;
     c->list[c->listed] = i;
-    c->at[c->listed] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
+    c->at[c->listed] = AT_TABLE(i);
     c->listed += ANY(any);
   }
 }

@@ -26,14 +26,14 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
 #endif
     EACH_VECTOR(v) {
 #if STEPPED
-      const vreal step = w.v[v] * c->per_own[i].v[v];
+      const vreal step = w.v[v] * c->per_own_n[i].v[v], step_t = w.v[v] * c->per_own_t[i].v[v];
 #else
-      const vreal step = w.v[v];
+      const vreal step = w.v[v], step_t = step;
 #endif
       const vint mine = s->active.v[v] & c->window[i].v[v];
       const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
       const vreal n = LARGER(fma(step, uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
-      vreal x = fma(step, c->gx[i].v[v] - ux.v[v], x0), y = fma(step, c->gy[i].v[v] - uy.v[v], y0);
+      vreal x = fma(step_t, c->gx[i].v[v] - ux.v[v], x0), y = fma(step_t, c->gy[i].v[v] - uy.v[v], y0);
       const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
       const vint slips = q > cone * cone;
       const vreal shorter = cone / sqrt(q);

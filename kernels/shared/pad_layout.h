@@ -27,6 +27,14 @@ enum PadInfluenceNumber {
   PAD_OWN_INFLUENCE, /* numbers of an entry of a lane's own table: of offsets that are not negative */
   PAD_INFLUENCE = 8
 };
+/* Of pairs of cells, [place][source][PAD_PAIR], after a head as above: first the numbers above, x by y and x, y by z; then
+   those that differ from them where the rubber has sides. */
+enum PadPairNumber {
+  PAD_PAIR_ZX = PAD_OWN_INFLUENCE, /* with the sign of PAD_XZ */
+  PAD_PAIR_ZY,
+  PAD_PAIR_YX,
+  PAD_PAIR = 12
+};
 
 /* Rows of `lane_input`, [group][vector][PAD_INPUT_ROWS][lane]. */
 enum PadInputRow {

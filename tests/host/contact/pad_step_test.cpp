@@ -12,6 +12,7 @@
 #include <numeric>
 #include <random>
 
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact.h"
@@ -182,6 +183,68 @@ TEST(PadStep, NeedsNoCellsBeyondItsReach) {
     else
       near.press(all.wrench(k, P, 1.2)), far.press(all.wrench(k, P, 1.2));
     for (std::size_t c = 0; c < all.count; ++c) ASSERT_EQ(rows_of(near, c), rows_of(far, c)) << k << " " << c;
+  }
+}
+
+/// The layer's influence as a table of all pairs, x, y, z.
+PairInfluence pairs_of(const Bowls& bowls) {
+  const fem::PadCells& cells = bowls.cells;
+  const int n = cells.n;
+  const std::vector<fem::CellInfluence> all =
+      fem::pad_layer(bowls.pad.poisson).influences(bowls.pad.thickness, cells.hx, cells.hy, n);
+  PairInfluence pairs;
+  for (int place = 0; place < n * n; ++place)
+    for (int source = 0; source < n * n; ++source) {
+      const int dx = place / n - source / n, dy = place % n - source % n;
+      fem::CellInfluence c = all[static_cast<std::size_t>(std::abs(dx) * (n + 1) + std::abs(dy))];
+      if (dx < 0) c.xz = -c.xz, c.xy = -c.xy;
+      if (dy < 0) c.yz = -c.yz, c.xy = -c.xy;
+      pairs.insert(pairs.end(), {c.xx, c.xy, c.xz, c.xy, c.yy, c.yz, -c.xz, -c.yz, c.zz});
+    }
+  return pairs;
+}
+
+TEST(PadStep, HasTheSameBitsByATableOfAllPairs) {
+  const Bowls all(20, 14);
+  PadStepper<float> steps = all.steps(executor());
+  PadStepper<float> by_pairs(executor(), all.pad, all.count, all.friction, {.cells = 8, .cell = 0.14}, pairs_of(all));
+  by_pairs.set_heights(std::span<const double>(all.heights));
+  const std::vector<double> P = pressed(steps, all);
+  pressed(by_pairs, all);
+  for (int k = 4; k < 12; ++k) {
+    if (k < 8)
+      steps.move(all.pose(k)), by_pairs.move(all.pose(k));
+    else
+      steps.press(all.wrench(k, P, 1.1)), by_pairs.press(all.wrench(k, P, 1.1));
+    for (std::size_t c = 0; c < all.count; ++c) ASSERT_EQ(rows_of(by_pairs, c), rows_of(steps, c)) << k << " " << c;
+  }
+}
+
+/// Cells that are softer to themselves in the table, as corners of a pad are, give what a cover that adds as much
+/// gives.
+TEST(PadStep, DividesRowsByEachCellsOwnInfluence) {
+  const Bowls all(20, 15);
+  PairInfluence pairs = pairs_of(all);
+  std::vector<double> cover(all.heights.size(), 1);
+  const double normal = pairs[8], along = std::max(pairs[0], pairs[4]);
+  for (std::size_t i = 0; i < 64; i += 3) {
+    const std::size_t own = 9 * (65 * i);
+    pairs[own] += 1.7 * along, pairs[own + 4] += 1.7 * along, pairs[own + 8] += 1.7 * normal;
+    for (std::size_t c = 0; c < all.count; ++c) cover[64 * c + i] = 1 / 2.7;
+  }
+  const StepOptions options{.cells = 8, .cell = 0.14, .tolerance = 1e-5};
+  PadStepper<float> steps = all.steps(executor(), options);
+  steps.set_heights(std::span<const double>(all.heights), std::span<const double>(cover));
+  PadStepper<float> by_pairs(executor(), all.pad, all.count, all.friction, options, pairs);
+  by_pairs.set_heights(std::span<const double>(all.heights));
+  for (int k = 0; k < 12; ++k) {
+    steps.move(all.pose(k)), by_pairs.move(all.pose(k));
+    for (std::size_t c = 0; c < all.count; ++c) {
+      const double P = number(steps, c, STEP_RESULT_P);
+      for (int row = 0; row < 3; ++row)
+        EXPECT_NEAR(number(by_pairs, c, row), number(steps, c, row), 1e-4 * P) << k << " " << c;  // tolerance of sweeps
+      EXPECT_LE(number(by_pairs, c, STEP_RESULT_SWEEPS), 60);
+    }
   }
 }
 
