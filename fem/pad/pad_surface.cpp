@@ -41,15 +41,17 @@ PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::
     const double x = cells.x(i / cells.n), y = cells.y(i % cells.n);
     surface.height[i] = height(indenter, x, y, sharp);
     if (!sharp) continue;
-    int corners = 0, inside = 0;
-    for (int c = 0; c < 4; ++c)
-      corners += std::isfinite(height(edge, x + (c % 2 - 0.5) * cells.hx, y + (c / 2 - 0.5) * cells.hy, false));
-    if (corners == 4) continue;
-    for (int c = 0; c < points_of_cell * points_of_cell; ++c) {
-      const double a = (c % points_of_cell + 0.5) / points_of_cell - 0.5,
-                   b = (c / points_of_cell + 0.5) / points_of_cell - 0.5;
-      inside += std::isfinite(height(edge, x + a * cells.hx, y + b * cells.hy, false));
-    }
+    // Of points x points places in the cell those below the object; first and step are over its side.
+    const auto below = [&](int points, double first, double step) {
+      int count = 0;
+      for (int a = 0; a < points; ++a)
+        for (int b = 0; b < points; ++b)
+          count +=
+              std::isfinite(height(edge, x + (first + a * step) * cells.hx, y + (first + b * step) * cells.hy, false));
+      return count;
+    };
+    if (below(2, -0.5, 1) == 4) continue;  // all corners
+    const int inside = below(points_of_cell, 0.5 / points_of_cell - 0.5, 1.0 / points_of_cell);
     surface.cover[i] = inside / static_cast<double>(points_of_cell * points_of_cell);
     if (inside == 0) surface.height[i] = std::numeric_limits<double>::infinity();
   }
