@@ -156,7 +156,7 @@ void SideKernel::make(double poisson) {
 
 /// Columns of the other quarters, by mirror images.
 void SideKernel::unfold() {
-  const auto [nx, ny] = mesh_.cells;
+  const int nx = mesh_.cells[0], ny = mesh_.cells[1];
   displacement_.resize(3 * nodes(), 3 * nodes());
   for (int source = 0; source < quarter(); ++source)
     for (const bool in_x : {false, true})

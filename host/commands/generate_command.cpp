@@ -170,11 +170,12 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         set.coarse, rows, set.pad ? "cells" : "elements");
   if (work.contacts > 0)
     text += fmt::format(
-        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
-        "assembled in {:.2f} s\ntime of the threads before that: {}\n",
+        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s{}; chunks written at {}B/s, set assembled in {:.2f} s\n"
+        "time of the threads before that: {}\n",
         work.contacts, with_prefix(work.steps), seconds, with_prefix(work.steps / seconds),
-        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.write_seconds), assemble_seconds,
-        shares(work.stages));
+        work.kernel > 0 ? fmt::format(", in kernels {} steps/s", with_prefix(work.steps / work.kernel))
+                        : "",  // free sides
+        with_prefix(work.bytes / work.write_seconds), assemble_seconds, shares(work.stages));
   return text + fmt::format("device: {}\n", set.device);
 }
 

@@ -365,11 +365,13 @@ void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource
   static const auto poisson = number_place<fem::PadScene>("sensor.poisson", ""),
                     thickness = number_place<fem::PadScene>("sensor.thickness", "");
   source.own_sensors_.emplace();
-  for (const PadSource::Alternative& from : part.alternatives) {
+  const auto all = tables("sensor");
+  for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
+    const PadSource::Alternative& from = part.alternatives[i];
     const bool own_sides =
         std::ranges::any_of(from.draws, [](const auto& d) { return d.place == poisson || d.place == thickness; });
     if (own_sides && fem::has_free_sides(from.scene.sensor))
-      throw file_.error("sensor.sides", nullptr,
+      throw file_.error("sensor.sides", all[i] ? all[i]->get("sides") : nullptr,
                         "\"held\" where each contact draws its own thickness or Poisson's ratio: free sides of each "
                         "take tenths of a second; or [sweep] sensors = n, for n sensors that the contacts share");
     for (const PadSource::NumberDraw& d : from.draws) {

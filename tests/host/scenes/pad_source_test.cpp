@@ -43,7 +43,7 @@ TEST(PadSource, SidesAreHeldUnlessAskedFor) {
   const std::string drawn =
       "[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\nlength = 20\nwidth = 20\nsides = \"free\"\n";
   EXPECT_THAT(message_of(head + drawn + sphere + press),
-              AllOf(HasSubstr("sensor.sides"), HasSubstr("\"held\" where each contact draws")));
+              HasSubstr("sensor.sides = \"free\": must be \"held\" where each contact draws"));
   EXPECT_EQ(pads("[sweep]\ncontacts = 500\nsensors = 3\n" + drawn + sphere + press).contact(0).scene.sensor.sides,
             fem::Sides::free);
 }

@@ -143,8 +143,9 @@ struct PadPath {
 };
 
 /// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or
-/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Throws InputError, also for a
-/// contact nearer than its thickness to an edge of the pad, and HardwareError.
+/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Pads with free sides are solved
+/// by the twin. Throws InputError, also for a contact nearer than its thickness to an edge of a pad whose sides are
+/// held, and HardwareError.
 TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
 
 /// As those of a line; the VTK file has the cells with their tractions.
@@ -177,8 +178,9 @@ struct PadPaths {
 
 /// Solves scenes in batches, without a rung on "pad-12", in fp32 unless `options.precision` says otherwise. The pads
 /// of all scenes have the same tactels. An accuracy is judged on at most 64 of the scenes. Throws InputError, naming
-/// the scene by its index, also for a contact nearer than its thickness to an edge of the pad, HardwareError, and
-/// Cancelled where progress (scenes) says so.
+/// the scene by its index, also for a contact nearer than its thickness to an edge of a pad whose sides are held,
+/// HardwareError, and Cancelled where progress (scenes) says so. Pads with free sides are solved by the host in fp64,
+/// some 20 ms each.
 TACTEL_API PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& options = {},
                                const ProgressFunction& progress = {});
 
