@@ -24,15 +24,18 @@ Eigen::MatrixXd with_ring(const Eigen::ArrayXd& height, int n) {
 
 SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, const PadCells& cells, double mu,
                                const PadOptions& options)
-    : sensor_(sensor),
-      cells_(cells),
-      mu_(mu),
-      options_(options),
-      influence_(std::make_shared<const PadInfluence>(layer, sensor.thickness, cells.hx, cells.hy, cells.n)),
-      contact_(std::make_unique<PadContact>(
-          *influence_, cells,
-          with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells.n), mu,
-          options)) {}
+    : sensor_(sensor), cells_(cells), mu_(mu), options_(options) {
+  const Eigen::MatrixXd open =
+      with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells.n);
+  if (has_free_sides(sensor)) {
+    table_ = std::make_shared<const PadTable>(layer, sides_at(sensor, {0, 0}, SideBricks::usual), cells,
+                                              Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
+    contact_ = std::make_unique<PadContact>(*table_, cells, open, mu, options);
+  } else {
+    influence_ = std::make_shared<const PadInfluence>(layer, sensor.thickness, cells.hx, cells.hy, cells.n);
+    contact_ = std::make_unique<PadContact>(*influence_, cells, open, mu, options);
+  }
+}
 
 void SteppedContact::set_surface(const PadSurface& surface, std::array<double, 2> axis) {
   Eigen::VectorXd softness = Eigen::VectorXd::Zero(cells_.count());

@@ -54,7 +54,8 @@ class SteppedContact {
   PadCells cells_;
   double mu_;
   PadOptions options_;
-  std::shared_ptr<const PadInfluence> influence_;
+  std::shared_ptr<const PadInfluence> influence_{};
+  std::shared_ptr<const PadTable> table_{};  ///< instead, of a pad with free sides
   std::unique_ptr<PadContact> contact_;
   std::array<double, 2> axis_{};
   Eigen::Vector4d change_ = Eigen::Vector4d::Zero();

@@ -12,6 +12,9 @@
 
 #include "fem/accuracy.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_solver.h"
+#include "fem/pad/pad_table.h"
+#include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
 #include "kernels/shared/pad_layout.h"
@@ -71,9 +74,6 @@ void check(const StepOptions& options) {
     throw ValueError("cells", std::to_string(options.cells), "4 to 24");
   if (!(options.cell > 0) || !std::isfinite(options.cell))
     throw ValueError("cell", fmt::format("{}", options.cell), "above 0 mm");
-  if (options.sides == "free")
-    throw ValueError("sides", "\"free\"", "\"bonded\": steps on a pad with free sides are not served yet");
-  if (options.sides != "bonded") throw ValueError("sides", fmt::format("\"{}\"", options.sides), "\"bonded\"");
   const auto positive = [](const char* key, double number) {
     if (!(number > 0 && number <= 0.1)) throw ValueError(key, fmt::format("{}", number), "above 0 and at most 0.1");
   };
@@ -100,20 +100,43 @@ std::vector<double> table_of_pairs(const PairInfluence& pairs, const std::vector
   return table;
 }
 
+/// A grid on a pad with free sides lies within it.
+void check_within(const fem::PadSensor& pad, const StepOptions& options) {
+  const double least = std::min(*pad.length, *pad.width), grid = options.cells * options.cell;
+  if (grid > least * (1 + 1e-9))
+    throw ValueError(
+        "cell", fmt::format("{}", options.cell),
+        fmt::format("{:.6g} mm at most, as {} cells lie within the pad", least / options.cells, options.cells));
+}
+
+PairInfluence pairs_of(const fem::PadTable& table, int n) {
+  PairInfluence pairs;
+  for (int place = 0; place < n * n; ++place)
+    for (int source = 0; source < n * n; ++source)
+      for (int to = 0; to < 3; ++to)
+        for (int by = 0; by < 3; ++by) pairs.push_back(table.row(place / n, place % n, to, by)[source]);
+  return pairs;
+}
+
 }  // namespace
 
 template <class Real>
 struct PadStepper<Real>::State {
-  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given,
-        const PairInfluence& pairs)
+  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given, PairInfluence pairs)
       : executor(executor), pad(pad), options(given), count(count), cells(fem::fixed_cells(given.cells, given.cell)) {
     fem::validate(pad);
     check(options);
     if (count < 1) throw ValueError("count", "0", "1 or more");
-    const fem::Interval sides = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
-    if (options.cell < sides.left || options.cell > sides.right)
+    const fem::Interval solvable = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
+    if (options.cell < solvable.left || options.cell > solvable.right)
       throw ValueError("cell", fmt::format("{}", options.cell),
-                       fmt::format("{} to {} mm on this rubber", sides.left, sides.right));
+                       fmt::format("{} to {} mm on this rubber", solvable.left, solvable.right));
+    if (fem::has_free_sides(pad)) {
+      check_within(pad, options);
+      sides = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual);
+      if (pairs.empty())
+        pairs = pairs_of({fem::pad_layer(pad.poisson), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells.n);
+    }
     const Device& device = executor.device();
     const Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
     width = static_cast<std::size_t>(device.lanes(precision));
@@ -157,6 +180,7 @@ struct PadStepper<Real>::State {
   std::size_t count, width = 1, places = 0;  ///< places: contacts with those that fill up a work-item
   int vectors = 1;
   fem::PadCells cells;
+  std::optional<fem::PadSides> sides{};  ///< free ones
   double root_zz = 0, root_tt = 0, kt = 0, kr = 0;
   double reach = usual_reach;
   std::size_t frame_rows = 0;
@@ -191,7 +215,21 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   std::vector<double> stress(blocks * cell_count() * 3 * STEP_FRAME_BLOCK);
   const double unit[3] = {-pad.young / root_zz, pad.young / root_tt, pad.young / root_tt};  // f_z = -n
   constexpr int column[3] = {2, 0, 1};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(points.places.rows()); ++k) {
+  const auto place = [&](std::size_t row, std::size_t cell, std::size_t part) -> double& {
+    return stress[((row / STEP_FRAME_BLOCK * cell_count() + cell) * 3 + part) * STEP_FRAME_BLOCK +
+                  row % STEP_FRAME_BLOCK];
+  };
+  if (sides) {
+    fem::PadScene alone;
+    alone.sensor = pad;
+    const Eigen::MatrixXd all = fem::base_stress_of_cells(*tables.layer(), alone, cells, *sides);
+    for (std::size_t row = 0; row < frame_rows; ++row)
+      for (std::size_t i = 0; i < cell_count(); ++i)
+        for (std::size_t part = 0; part < 3; ++part)
+          place(row, i, part) = std::abs(unit[part]) *
+                                all(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(part * cell_count() + i));
+  }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(points.places.rows()) && !sides; ++k) {
     const auto at = points.places.row(static_cast<Eigen::Index>(k));
     const auto all =
         tables.layer()->base_stresses(H, cells.hx, cells.hy, cells.n, at[0] - cells.x(0), at[1] - cells.y(0));
@@ -199,8 +237,7 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
       for (std::size_t part = 0; part < 3; ++part)
         for (std::size_t stress_row = 0; stress_row < 3; ++stress_row) {
           const std::size_t row = stress_row * tactels + k / parts;
-          stress[((row / STEP_FRAME_BLOCK * cell_count() + i) * 3 + part) * STEP_FRAME_BLOCK +
-                 row % STEP_FRAME_BLOCK] +=
+          place(row, i, part) +=
               points.weights[k % parts] * unit[part] * all[i](static_cast<Eigen::Index>(stress_row), column[part]);
         }
   }

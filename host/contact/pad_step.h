@@ -13,8 +13,9 @@
 
 namespace tactel::host {
 
-/// What cells fixed to a pad do to each other where that depends on their places, as on rubber with sides:
-/// [place][source] [displacement x, y, z][force x, y, z] mm by a traction of 1 at E = 1. Empty: rubber without sides.
+/// What cells fixed to a pad do to each other where that depends on their places:
+/// [place][source] [displacement x, y, z][force x, y, z] mm by a traction of 1 at E = 1. Empty: of the pad's own
+/// rubber, with its sides where they are free.
 using PairInfluence = std::vector<double>;
 
 /// Many contacts with one pad that take one increment a call, each on from the state that the last left in the device's

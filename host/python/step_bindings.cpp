@@ -150,23 +150,21 @@ void bind_steps(py::module_& m) {
                               "Contacts with one pad inside a simulator: each call takes all of them a step on.");
   stepper
       .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, int cells, double cell,
-                       const std::string& sides, double tolerance, double force_tolerance, int most_solves,
-                       Precision precision, const std::string& device) {
+                       double tolerance, double force_tolerance, int most_solves, Precision precision,
+                       const std::string& device) {
              StepOptions options;
-             options.cells = cells, options.cell = cell, options.sides = sides, options.tolerance = tolerance;
+             options.cells = cells, options.cell = cell, options.tolerance = tolerance;
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
              const py::gil_scoped_release released;
              return Stepper{PadStepper(pad, count, mu, options)};
            }),
-           "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = 16, "cell"_a = 0.5, "sides"_a = "bonded",
-           "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
+           "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = 16, "cell"_a = 0.5, "tolerance"_a = 1e-3,
+           "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
            "friction: [count], or one number; cells: along a side of the grid about the pad's middle, 4 to 24; cell: "
-           "mm; "
-           "sides: \"bonded\"; tolerance: of the sweeps; force_tolerance: of a wrench, over P; most_solves: poses that "
-           "a "
-           "step by wrench may solve.")
+           "mm; tolerance: of the sweeps; force_tolerance: of a wrench, over P; most_solves: poses that a step by "
+           "wrench may solve. The grid lies within a pad whose sides are free.")
       .def("__len__", [](const Stepper& self) { return self.steps.count(); })
       .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
       .def_property_readonly(

@@ -66,8 +66,10 @@ TEST(PadStepApi, ServesBothPrecisions) {
 
 TEST(PadStepApi, SaysWhatIsWrong) {
   const auto message = [](const auto& call) { return thrown_message<InputError>(call); };
-  EXPECT_EQ(message([] { ball({.cells = 10, .sides = "free"}); }),
-            "sides: \"free\"; must be \"bonded\": steps on a pad with free sides are not served yet");
+  Pad block{.tactels = {4, 4}, .pitch = {4.7, 4.7}};
+  block.length = 19, block.width = 18, block.thickness = 4.5;
+  EXPECT_EQ(message([&] { PadStepper(block, 1, std::array{0.5}, {.cells = 10, .cell = 1.9}); }),
+            "cell: 1.9; must be 1.8 mm at most, as 10 cells lie within the pad");
   PadStepper steps = ball();
   EXPECT_EQ(message([&] { steps.press(std::array{1.0}); }), "wrench: 1 numbers; must be 8 numbers");
   EXPECT_EQ(message([&] { steps.move_by(std::array<double, 6>{}); }), "gaps: none; must be given before a motion");

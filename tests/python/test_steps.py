@@ -98,8 +98,8 @@ class Steps(unittest.TestCase):
             out.frames
 
     def test_what_is_wrong_is_said(self):
-        with self.assertRaisesRegex(tactel.InputError, "free"):
-            tactel.PadStepper(PAD, 3, MU, sides="free")
+        with self.assertRaisesRegex(tactel.InputError, "cell: 0.5; must be 0.25 mm at most, as 16 cells lie within the pad"):
+            tactel.PadStepper(PAD.with_(length=4, width=5), 3, MU)
         with self.assertRaisesRegex(tactel.InputError, "friction"):
             tactel.PadStepper(PAD, 2, MU)
         steps = ball()

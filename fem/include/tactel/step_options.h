@@ -9,7 +9,6 @@ namespace tactel {
 struct StepOptions {
   int cells = 16;                 ///< along a side of the grid, which is fixed to the pad about its middle; 4 to 24
   double cell = 0.5;              ///< mm, side of a cell
-  std::string sides = "bonded";   ///< "bonded": rubber without sides; "free" is not served yet
   double tolerance = 1e-3;        ///< of the sweeps: largest change of a traction over the largest pressure
   double force_tolerance = 2e-3;  ///< of a wrench, over its P
   int most_sweeps = 400;          ///< of a pose
