@@ -175,6 +175,7 @@ class PadWalk {
 
   Eigen::Matrix2d turn_;                              ///< own frame to that of the pad
   Eigen::Vector4d change_ = Eigen::Vector4d::Zero();  ///< of the last increment: depth, motion; mm
+  PadTarget target_;                                  ///< of the last increment
   const PadOptions& options_;
   const PadScene& scene_;
   PadCells cells_;
@@ -195,6 +196,7 @@ void PadWalk::move_to(const PadTarget& target) {
                            : 0;
   const Eigen::Vector2d own = turn_.transpose() * Eigen::Vector2d(target.x, target.y);
   const PadMotion to(own[0], own[1], target.twist);
+  target_ = target;
   Eigen::Vector4d change(depth - contact_.depth, to[0] - contact_.motion[0], to[1] - contact_.motion[1],
                          cells_.half_size() * (to[2] - contact_.motion[2]));
   contact_.depth = depth;
@@ -221,8 +223,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   PadStep step;
   step.indentation = contact_.depth;
   step.twist = contact_.motion[2];
-  const Eigen::Vector2d moved = turn_ * contact_.motion.head<2>();
-  step.x = moved[0], step.y = moved[1];
+  step.x = target_.x, step.y = target_.y;
   const Eigen::VectorXd n = force * contact_.n();
   const Eigen::MatrixX2d t = force * contact_.t();
   const Eigen::RowVector2d own_Q = t.colwise().sum();

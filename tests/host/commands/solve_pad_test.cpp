@@ -127,8 +127,9 @@ TEST(SolvePad, NamesTheLineOfAnErrorThatTheAnswerShows) {
   const ScratchFolder folder;
   std::string text = text_of(twist);
   text.insert(text.find("yaw = 30.0"), "position = [15.0, 0.0]\n");
+  text.insert(text.find("[indenter]"), "sides = \"held\"\n\n");
   const std::string scene = folder.write("scene.toml", text);
-  EXPECT_TRUE(is_refused(run_tactel({"solve", scene}), {"scene.toml:18: indenter.position = [15, 0]", "free sides"}));
+  EXPECT_TRUE(is_refused(run_tactel({"solve", scene}), {"scene.toml:20: indenter.position = [15, 0]", "free sides"}));
 }
 
 TEST(SolvePad, HelpNamesItsWords) {
