@@ -20,8 +20,8 @@ struct OpenSource {
 };
 
 /// Opens the source of --source: "usb:glove", "usb:VID:PID" with a profile, both with "?serial=NUMBER&port=1-2"
-/// for one of several, "serial:/dev/ttyACM0?baud=115200", "csv:FILE" and "csv:-" with a profile, "replay:FILE", "simulate:SCENE.toml?rate=1000". An empty
-/// path means no file. Throws ConfigError, hw::SourceError.
+/// for one of several, "serial:/dev/ttyACM0?baud=115200", "csv:FILE" and "csv:-" with a profile, "replay:FILE",
+/// "simulate:SCENE.toml?rate=1000". An empty path means no file. Throws ConfigError, hw::SourceError.
 OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration);
 
 using Files = std::span<const std::string>;

@@ -40,7 +40,8 @@ std::string log_of(const std::string& text, const Defines& defines) {
 
 TEST(Embedded, EveryFileAsItIsOnDisk) {
   std::size_t files = 0;
-  for (const fs::path& folder : {kernel_folder, kernel_folder / "pad", kernel_folder / "patch", kernel_folder / "shared"})
+  for (const fs::path& folder :
+       {kernel_folder, kernel_folder / "pad", kernel_folder / "patch", kernel_folder / "shared"})
     for (const auto& entry : fs::directory_iterator(folder)) {
       const std::string name = fs::relative(entry.path(), kernel_folder).generic_string();
       if (!name.ends_with(".cl") && !(folder != kernel_folder && name.ends_with(".h"))) continue;
