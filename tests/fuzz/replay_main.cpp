@@ -18,7 +18,8 @@ int main(int count, char** arguments) {
       files.emplace_back(arguments[i]);
       continue;
     }
-    for (const fs::directory_entry& entry : fs::directory_iterator(arguments[i])) files.push_back(entry.path());
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(arguments[i]))
+      if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::ranges::sort(files);
   for (const fs::path& file : files) {

@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <ranges>
 
 #include "host/commands/command.h"
 #include "host/commands/live/live_server.h"
@@ -222,13 +221,13 @@ class AskedLines {
 
 /// What is said of a reading of mu.
 std::string friction_text(std::span<const float> mu) {
-  if (std::ranges::all_of(mu, [](float one) { return std::isnan(one); }))
-    return "note: friction was not read: no frame has an answer";
-  return fmt::format("note: it slides: friction {}", fmt::join(mu | std::views::transform([](float one) {
-                                                                 return std::isnan(one) ? std::string("not read")
-                                                                                        : fmt::format("{:.2g}", one);
-                                                               }),
-                                                               ", "));
+  std::string text;
+  bool read = false;
+  for (const float one : mu) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", std::isnan(one) ? "not read" : fmt::format("{:.2g}", one));
+    read |= !std::isnan(one);
+  }
+  return read ? "note: it slides: friction " + text : "note: friction was not read: no frame has an answer";
 }
 
 /// The page of --serve and its lines: 33 a second, and events. None where it was not asked for.
