@@ -46,10 +46,15 @@ void SteppedContact::set_surface(const PadSurface& surface, std::array<double, 2
   axis_ = axis;
 }
 
+/// How far a contact moves to a pose, mm.
+Eigen::Vector4d SteppedContact::change_to(const PadContact& contact, double depth, const PadMotion& motion) const {
+  return {depth - contact.depth, motion[0] - contact.motion[0], motion[1] - contact.motion[1],
+          cells_.half_size() * (motion[2] - contact.motion[2])};
+}
+
 /// Solves a pose from the history of a contact. Returns whether the sweeps settled and the residual is accepted.
 bool SteppedContact::solve(PadContact& contact, double depth, const PadMotion& motion, int& sweeps) const {
-  const Eigen::Vector4d change(depth - contact.depth, motion[0] - contact.motion[0], motion[1] - contact.motion[1],
-                               cells_.half_size() * (motion[2] - contact.motion[2]));
+  const Eigen::Vector4d change = change_to(contact, depth, motion);
   const double last = change_.squaredNorm();
   contact.depth = depth;
   contact.motion = motion;
@@ -91,8 +96,7 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
 }
 
 SteppedState SteppedContact::move(double depth, const PadMotion& motion) {
-  const Eigen::Vector4d change(depth - contact_->depth, motion[0] - contact_->motion[0],
-                               motion[1] - contact_->motion[1], cells_.half_size() * (motion[2] - contact_->motion[2]));
+  const Eigen::Vector4d change = change_to(*contact_, depth, motion);
   int sweeps = 0;
   const bool settled = solve(*contact_, depth, motion, sweeps);
   contact_->remember();

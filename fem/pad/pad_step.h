@@ -46,6 +46,7 @@ class SteppedContact {
   const PadContact& contact() const { return *contact_; }
 
  private:
+  Eigen::Vector4d change_to(const PadContact& contact, double depth, const PadMotion& motion) const;
   bool solve(PadContact& contact, double depth, const PadMotion& motion, int& sweeps) const;
   PadWrench force(const PadContact& contact) const;
   SteppedState state(int solves, int sweeps, bool settled) const;

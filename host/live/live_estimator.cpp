@@ -90,9 +90,10 @@ class SharedLaunch {
   }
   float slides(std::size_t row) {
     Sensor& sensor = sensors_[row];
+    if (!sensor.on_host) return std::numeric_limits<float>::quiet_NaN();
     const float* const input = inputs_.row(static_cast<Eigen::Index>(row)).data();
     std::vector<float> told(input, input + inputs_.cols());
-    const float mu = sensor.friction.next(sensor.on_host, sensor.learnt, told);
+    const float mu = sensor.friction.next(*sensor.on_host, sensor.learnt, told);
     if (!std::isnan(mu)) sensor.frames.friction(mu, infer::FrictionReading::spread);
     return mu;
   }
@@ -139,7 +140,8 @@ class SharedLaunch {
       sensors_.push_back(
           {static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
            infer::SensorFrames(network->scaling, network->history, network->learnt, stresses, touch[sensors_.size()]),
-           network->learnt, network->scaling.normals(stresses), infer::estimator_of(*network)});
+           network->learnt, network->scaling.normals(stresses),
+           network->history.friction ? std::optional(infer::estimator_of(*network)) : std::nullopt});
     }
     run();  // compiles, and has the answers' memory
   }
@@ -148,8 +150,8 @@ class SharedLaunch {
     std::size_t network;  ///< among those of the launch
     infer::SensorFrames frames;
     nn::Learnt learnt;
-    int normals;            ///< of the newest frame
-    SlipEstimator on_host;  ///< the network, with the same bits
+    int normals;                           ///< of the newest frame
+    std::optional<SlipEstimator> on_host;  ///< a network that takes friction, with the same bits
     infer::FrictionReading friction{};
   };
   Forward<float> forward_;

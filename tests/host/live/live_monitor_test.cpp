@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -69,13 +70,15 @@ class ScriptedSource final : public hw::FrameSource {
     double now = 0;                   ///< s
     std::optional<double> arrival{};  ///< s, of a frame; none: nothing came
   };
-  explicit ScriptedSource(std::vector<Turn> turns) : bytes_(simulated_bytes().first), turns_(std::move(turns)) {}
+  explicit ScriptedSource(std::vector<Turn> turns) : ScriptedSource(std::move(turns), simulated_bytes().first, 321) {}
+  /// bytes: of so many frames of one length.
+  ScriptedSource(std::vector<Turn> turns, std::vector<std::uint8_t> bytes, std::size_t frames)
+      : bytes_(std::move(bytes)), length_(bytes_.size() / frames), turns_(std::move(turns)) {}
   std::optional<hw::Packet> wait(double) override {
     const Turn turn = turns_[turn_++];
     now_ = turn.now;
     if (!turn.arrival) return std::nullopt;
-    const std::size_t length = bytes_.size() / 321;  // frames of the simulation
-    return hw::Packet{hw::Bytes(bytes_).subspan(length * frame_++, length), *turn.arrival};
+    return hw::Packet{hw::Bytes(bytes_).subspan(length_ * frame_++, length_), *turn.arrival};
   }
   bool finished() const override { return turn_ == turns_.size(); }
   bool live() const override { return true; }
@@ -84,6 +87,7 @@ class ScriptedSource final : public hw::FrameSource {
 
  private:
   std::vector<std::uint8_t> bytes_;
+  std::size_t length_;  ///< of a frame
   std::vector<Turn> turns_;
   std::size_t turn_ = 0, frame_ = 0;
   double now_ = 0;
@@ -299,12 +303,17 @@ TEST(LiveMonitor, APadWithoutAnAnswerKeepsItsAlarm) {
   EXPECT_EQ(i, std::size(frames));
 }
 
-// A peak of 0.05 MPa is no contact for a network that learnt 0.1 and more, but it is no rest, either.
-TEST(LiveMonitor, BelowTheSmallestPeakLearntThereIsNoAnswer) {
-  const SensorProfile pad = parse_profile(
+/// A line of two tactels in lines of numbers, MPa.
+SensorProfile line_of_two() {
+  return parse_profile(
       "[format]\nkind = \"csv\"\nchannels = 4\n[channels]\nnormal = [0, 1]\nshear = [2, 3]\n[calibration]\noffset = 0\n"
       "gain = 1\nnoise = 1e-3\n",
       "line");
+}
+
+// A peak of 0.05 MPa is no contact for a network that learnt 0.1 and more, but it is no rest, either.
+TEST(LiveMonitor, BelowTheSmallestPeakLearntThereIsNoAnswer) {
+  const SensorProfile pad = line_of_two();
   nn::Model model = shear_network();
   model.learnt.smallest_peak = 0.1f;
   std::vector<std::uint8_t> bytes;
@@ -325,45 +334,20 @@ TEST(LiveMonitor, BelowTheSmallestPeakLearntThereIsNoAnswer) {
   EXPECT_EQ(contacts({.touch = 0.01, .at = 0.8f}), (std::vector{false, true, true}));
 }
 
-/// Frames of two tactels, each at its time.
-class TimedSource final : public hw::FrameSource {
- public:
-  struct Turn {
-    double now;  ///< s
-    double shear;
-  };
-  explicit TimedSource(std::vector<Turn> turns) : turns_(std::move(turns)) {}
-  std::optional<hw::Packet> wait(double) override {
-    bytes_.clear();
-    hw::append_csv_frame(turn_, std::nullopt, std::vector<double>{-0.1, 0, turns_[turn_].shear, 0}, bytes_);
-    now_ = turns_[turn_++].now;
-    return hw::Packet{bytes_, now_};
-  }
-  bool finished() const override { return turn_ == turns_.size(); }
-  bool live() const override { return true; }
-  double now() const override { return now_; }
-  hw::TransportCounts counts() const override { return {}; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-  std::vector<Turn> turns_;
-  std::size_t turn_ = 0;
-  double now_ = 0;
-};
-
 // The logit of S is 8 - 10 (mu / (mu + 0.5) + 0.1 spread / (spread + 0.1) - shear). mu is read where it is 3.476 with a
 // spread of 0.05: 0.3607 without shear and 0.4418 at a shear of 0.05. It is told with a spread of 0.15, and a minute
 // later, by a drift of 0.2, with hypot(0.15, 0.2) = 0.25: logits of 3.209 and 3.094. The second reading counts for
 // 0.25^2 / (0.25^2 + 0.15^2) = 0.7353: 0.3607 (0.4418 / 0.3607)^0.7353 = 0.4187.
 TEST(LiveMonitor, FrictionIsReadFromASlideAndTrustedLessWithTime) {
-  const SensorProfile pad = parse_profile(
-      "[format]\nkind = \"csv\"\nchannels = 4\n[channels]\nnormal = [0, 1]\nshear = [2, 3]\n[calibration]\noffset = 0\n"
-      "gain = 1\nnoise = 1e-3\n",
-      "line");
+  const SensorProfile pad = line_of_two();
   nn::Model model = friction_network();
   model.weights.values[2] = -1, model.weights.values[5] = 0.1f;
+  constexpr std::array shears{0.0, 0.0, 0.0, 0.05, 0.0};
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t k = 0; k < shears.size(); ++k)
+    hw::append_csv_frame(k, std::nullopt, std::vector<double>{-0.1, 0, shears[k], 0}, bytes);
   for (const std::optional<Device>& device : {std::optional<Device>(), std::optional<Device>(std::in_place, "basic")}) {
-    TimedSource source({{0, 0}, {1, 0}, {60, 0}, {60, 0.05}, {60, 0}});
+    ScriptedSource source({{0, 0.0}, {1, 1.0}, {60, 60.0}, {60, 60.0}, {60, 60.0}}, bytes, shears.size());
     LiveMonitor monitor(std::span(&model, 1), pad, {.late = 1e9, .friction_drift = 0.2}, device);
     std::vector<float> logits, read;
     int turn = 0;
