@@ -13,20 +13,17 @@ namespace {
 
 constexpr int n = pad_search_cells;
 
-/// Pressures without friction, [n n] over E, by Gauss-Seidel from zero; `c` [n][n]: influence by the offset.
-Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
-  // The influence, mirrored, so that the sources of a row of cells lie side by side.
-  Eigen::MatrixXd mirrored(2 * n - 1, 2 * n - 1);  // [along y][along x]: columns lie side by side
-  for (int i = 1 - n; i < n; ++i)
-    for (int j = 1 - n; j < n; ++j) mirrored(j + n - 1, i + n - 1) = c(std::abs(i), std::abs(j));
+/// Pressures without friction, [n n] over E, by Gauss-Seidel from zero. own(i): influence of a cell on itself;
+/// hear(i, more, opening) tells the others of a change.
+template <class Own, class Hear>
+Eigen::ArrayXd press_by(const Own& own, const Hear& hear, const Eigen::ArrayXd& gap) {
   Eigen::ArrayXd p = Eigen::ArrayXd::Zero(n * n), opening = gap;
   for (int sweep = 0; sweep < search_most_sweeps; ++sweep) {
     double change = 0;
     for (int i = 0; i < n * n; ++i) {
-      const double pressed = std::max(0.0, p[i] - opening[i] / c(0, 0)), more = pressed - p[i];
+      const double pressed = std::max(0.0, p[i] - opening[i] / own(i)), more = pressed - p[i];
       if (more == 0) continue;  // only cells that change are heard by the others
-      for (int j = 0; j < n; ++j)
-        opening.segment<n>(j * n) += more * mirrored.col(j - i / n + n - 1).segment<n>(n - 1 - i % n).array();
+      hear(i, more, opening);
       change = std::max(change, std::abs(more));
       p[i] = pressed;
     }
@@ -35,21 +32,23 @@ Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
   return p;
 }
 
-/// The same by an influence of each cell on each, `c` [n n][n n].
-Eigen::ArrayXd press_by(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
-  Eigen::ArrayXd p = Eigen::ArrayXd::Zero(n * n), opening = gap;
-  for (int sweep = 0; sweep < search_most_sweeps; ++sweep) {
-    double change = 0;
-    for (int i = 0; i < n * n; ++i) {
-      const double more = std::max(0.0, p[i] - opening[i] / c(i, i)) - p[i];
-      if (more == 0) continue;
-      opening += more * c.col(i).array();
-      change = std::max(change, std::abs(more));
-      p[i] += more;
-    }
-    if (change <= search_tolerance * p.maxCoeff()) break;
-  }
-  return p;
+/// `c` [n][n]: influence by the offset.
+Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
+  // The influence, mirrored, so that the sources of a row of cells lie side by side.
+  Eigen::MatrixXd mirrored(2 * n - 1, 2 * n - 1);  // [along y][along x]: columns lie side by side
+  for (int i = 1 - n; i < n; ++i)
+    for (int j = 1 - n; j < n; ++j) mirrored(j + n - 1, i + n - 1) = c(std::abs(i), std::abs(j));
+  const auto hear = [&](int i, double more, Eigen::ArrayXd& opening) {
+    for (int j = 0; j < n; ++j)
+      opening.segment<n>(j * n) += more * mirrored.col(j - i / n + n - 1).segment<n>(n - 1 - i % n).array();
+  };
+  return press_by([&](int) { return c(0, 0); }, hear, gap);
+}
+
+/// `c` [n n][n n]: influence of each cell on each.
+Eigen::ArrayXd press_by_pairs(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
+  const auto hear = [&](int i, double more, Eigen::ArrayXd& opening) { opening += more * c.col(i).array(); };
+  return press_by([&](int i) { return c(i, i); }, hear, gap);
 }
 
 /// The window's cells, and where they lie on the pad.
@@ -98,9 +97,13 @@ PadBox turned(const PadBox& box, double degrees) {
   return around;
 }
 
+Interval clipped(const Interval& a, const Interval& b) {
+  return {std::max(a.left, b.left), std::min(a.right, b.right)};
+}
+
 /// The part of an interval that lies on the rubber; one of its ends, some cells wide, where none does.
 Interval on_rubber(const Interval& a, const Interval& rubber, double least) {
-  const Interval part{std::max(a.left, rubber.left), std::min(a.right, rubber.right)};
+  const Interval part = clipped(a, rubber);
   if (part.right - part.left >= least) return part;
   const double middle = std::clamp((a.left + a.right) / 2, rubber.left + least / 2, rubber.right - least / 2);
   return {middle - least / 2, middle + least / 2};
@@ -145,9 +148,6 @@ struct Extent {
   }
 };
 
-Interval clipped(const Interval& a, const Interval& b) {
-  return {std::max(a.left, b.left), std::min(a.right, b.right)};
-}
 Interval widened(const Interval& a, double part) {
   const double more = part * (a.right - a.left);
   return {a.left - more, a.right + more};
@@ -317,7 +317,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
     Eigen::ArrayXd gap(n * n), p;
     if (frame.sides.kernel) {
       gap = gaps({window}, depth, scene, frame);
-      p = press_by(with_sides(c, {window}, scene, frame), gap);
+      p = press_by_pairs(with_sides(c, {window}, scene, frame), gap);
     } else {
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
