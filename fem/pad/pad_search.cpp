@@ -55,7 +55,10 @@ Eigen::ArrayXd press_by_pairs(const Eigen::MatrixXd& c, const Eigen::ArrayXd& ga
 struct Window {
   const PadBox& box;
   double hx = (box.x.right - box.x.left) / n, hy = (box.y.right - box.y.left) / n;
-  Eigen::Vector2d place(int i) const { return {box.x.left + (i / n + 0.5) * hx, box.y.left + (i % n + 0.5) * hy}; }
+  Eigen::Vector2d place(int i) const {
+    const int ix = i / n, iy = i % n;
+    return {box.x.left + (ix + 0.5) * hx, box.y.left + (iy + 0.5) * hy};
+  }
 };
 
 /// Normal influence of a window's cells with that of the free sides, [n n][n n].
