@@ -31,7 +31,11 @@
 
    Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), CELLS, VECTORS, OWN_TABLES (0 | 1). With OWN_TABLES
    every lane has a table of its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share.
-   The bits are those of a shared table. */
+   The bits are those of a shared table.
+
+   FREE_SIDES 1 with LANES and VECTORS 1, OWN_TABLES 0 and WIDE (1, 2, 4, 8, 16): the sides of the pad are free. A
+   work-item makes the table of all pairs of its scene's cells (pad/free_sides.h), and takes WIDE cells at a time. Rows
+   of a sweep are divided by what each cell does to itself. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
 #include "pad/increment.h"
 #include "pad/residual.h"
@@ -108,13 +112,18 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
     EACH(b, 4) { outside[b].v[v] = 0; }
   }
-  ROLLED for (int k = 0; k < 4 * (CELLS + 1); ++k) {
-    const int side = k / (CELLS + 1), along = k % (CELLS + 1); /* once round the ring */
-    const int ix = side == 0 ? along - 1 : side == 1 ? CELLS : side == 2 ? CELLS - along : -1;
-    const int iy = side == 0 ? -1 : side == 1 ? along - 1 : side == 2 ? CELLS : CELLS - along;
+  ROLLED for (int k = 0; k < RING_PLACES; ++k) {
+    int ix, iy;
+    ring_place(k, &ix, &iy);
     const int sides = (ix < 0 ? 1 : ix == CELLS ? 2 : 0) + (iy < 0 ? 4 : iy == CELLS ? 8 : 0);
+#if FREE_SIDES
+    Lanes uz;
+    if (heights[(ix + 1) * RING + iy + 1] >= PAD_OPEN) continue; /* the table lacks it */
+    uz.v[0] = displacement_of_ring(influence, c, k);
+#else
     Lanes ux, uy, uz;
     displacement(influence, c, ix, iy, &ux, &uy, &uz);
+#endif
     EACH_VECTOR(v) {
       const vreal inside =
           (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
@@ -249,16 +258,29 @@ static void check_input(global const vreal *lane_input, global const vreal *path
 }
 
 /* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
-   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
+   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. With FREE_SIDES pairs
+   [groups of the launch][PAIR_NUMBERS] is memory to work in, layers has OWN_TABLES' tables, softs [scenes][COUNT] the
+   compliances that cells have of their own, over H; SidePart tells the others. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
    Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
    not 0. */
-kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
-                        global const vreal *lane_input, global const vreal *path, global const vreal *heights,
-                        int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
-                        global real *result, global real *forces) {
+kernel void pad_contact(uint first_group,
+#if FREE_SIDES
+                        global real *pairs, global const real *layers, global const real *softs,
+                        global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
+#else
+                        global const side *tables, global const int *table_of,
+#endif
+                        int first_vector, global const vreal *lane_input, global const vreal *path,
+                        global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
+                        real accept, int most_sweeps, global real *result, global real *forces) {
   TAKE_GROUP(group);
-#if OWN_TABLES
+#if FREE_SIDES
+  const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
+  global const real *head =
+      layers + (first_vector + group) * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE);
+  global real *table = pairs + group * PAIR_NUMBERS;
+#elif OWN_TABLES
   (void)table_of;
   global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE),
                     *table = head + PAD_TABLE_HEAD;
@@ -277,6 +299,9 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   State s;
   check_input(lane_input, path, heights, increments, &s);
   c.listed = 0;
+#if FREE_SIDES
+  if (s.valid.v[0]) make_pairs(&part, head, softs + vector * COUNT, lane_input, heights, table);
+#endif
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
@@ -294,6 +319,11 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     c.n[i].v[v] = c.tx[i].v[v] = c.ty[i].v[v] = c.gx[i].v[v] = c.gy[i].v[v] = 0;
     c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
+#if FREE_SIDES
+    global const real *own = table + (size_t)PAIR_PLANES * COUNT * i + i;
+    c.per_own_n[i].v[v] = 1 / own[PLANE_ZN * COUNT];
+    c.per_own_t[i].v[v] = 1 / fmax(own[PLANE_XX * COUNT], own[PLANE_YY * COUNT]);
+#endif
   }
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
@@ -339,6 +369,54 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   }
 }
 
+#if FREE_SIDES
+/* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
+   among `responses`, [3 nodes][3 tactels up to a multiple of SUMMANDS]: stress over 1 / H^2 by unit forces x, y, z on
+   the nodes of the block. The other arrays are those of pad_contact and pad_base_stress. */
+kernel void pad_side_stress(uint first_group, global const real *responses, global const int *response_of,
+                            int nodes_x, int nodes_y, real side_x, real side_y, global const real *lane_input,
+                            global const real *places, int tactels, int slots, global const real *forces,
+                            global real *stress) {
+  TAKE_GROUP(group);
+  const SidePart part = {0, nodes_x, nodes_y, side_x, side_y};
+  global const real *place = places + group * PAD_PLACE_ROWS, *in = lane_input + group * PAD_INPUT_ROWS;
+  const int numbers = 3 * tactels, row = (numbers + SUMMANDS - 1) / SUMMANDS * SUMMANDS, nodes = nodes_x * nodes_y;
+  global const real *response = responses + (size_t)response_of[group] * 3 * nodes * row;
+  const real unit = place[PAD_PLACE_THICKNESS] * place[PAD_PLACE_THICKNESS];
+  real on_node[3 * MOST_SIDE_NODES * MOST_SIDE_NODES];
+  for (int k = 0; k < (int)place[PAD_PLACE_STEPS]; ++k) {
+    global const real *f = forces + (group * slots + k) * 3 * COUNT;
+    for (int m = 0; m < 3 * nodes; ++m) on_node[m] = 0;
+    for (int i = 0; i < COUNT; ++i) {
+      const real n = f[i], tx = f[COUNT + i], ty = f[2 * COUNT + i];
+      if (!(n > 0)) continue;
+      NodeShares at;
+      shares_at(&part, in, place[PAD_PLACE_X_MIDDLE] + ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HX],
+                place[PAD_PLACE_Y_MIDDLE] + ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HY], &at);
+      const real x = place[PAD_PLACE_COSINE] * tx - place[PAD_PLACE_SINE] * ty,
+                 y = place[PAD_PLACE_SINE] * tx + place[PAD_PLACE_COSINE] * ty;
+      for (int m = 0; m < 16; ++m) {
+        real *to = on_node + 3 * ((at.x + m / 4) * nodes_y + at.y + m % 4);
+        to[0] = fma(at.share[m], x, to[0]);
+        to[1] = fma(at.share[m], y, to[1]);
+        to[2] = fma(at.share[m], -n, to[2]);
+      }
+    }
+    global real *to = stress + (group * slots + k) * numbers;
+    for (int at = 0; at < numbers; at += SUMMANDS) {
+      wide sum[PARTS];
+      real found[SUMMANDS];
+      EACH(p, PARTS) { sum[p] = 0; }
+      for (int m = 0; m < 3 * nodes; ++m)
+        EACH(p, PARTS) {
+          sum[p] = fma((wide)(on_node[m]), LOAD_WIDE(response + (size_t)m * row + at + p * WIDE), sum[p]);
+        }
+      EACH(p, PARTS) { STORE_WIDE(sum[p], found + p * WIDE); }
+      for (int l = 0; l < SUMMANDS && at + l < numbers; ++l) to[at + l] = fma(unit, found[l], to[at + l]);
+    }
+  }
+}
+#else
 /* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of
    pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the sum over points of each cell, four
    Gauss points or the parts of a wide one (PadLayer::shares). A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
@@ -424,3 +502,4 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
     }
   }
 }
+#endif

@@ -44,7 +44,8 @@ fem::PadLayout lay(const fem::PadScene& scene, int cells) {
   return laid;
 }
 
-/// Throws ValueError for a contact that reaches nearly to where the block ends that stands for a longer pad.
+}  // namespace
+
 void refuse_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
   constexpr double least = 2;  // H, where an end of the rubber moves a contact by some 0.5 %
   const auto& position = scene.indenter.position;
@@ -69,8 +70,6 @@ void refuse_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) 
                           fem::longest_block * H, fem::longest_block, (fem::longest_block - 2 * least) * H));
       }
 }
-
-}  // namespace
 
 bool too_deep(double thickness, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32

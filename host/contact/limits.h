@@ -26,6 +26,10 @@ double slip_limit(const fem::Sensor& sensor, double contact_width);
 /// too many points of rubber so thin.
 void refuse_endless(const fem::PadScene& scene, int cells);
 
+/// Throws ValueError, key "sensor.sides", for a contact that reaches nearly to where the block ends that stands for a
+/// longer pad with free sides (fem/pad/side_kernel.h).
+void refuse_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid);
+
 /// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
 /// gives no edges, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);

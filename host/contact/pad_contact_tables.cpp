@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
@@ -77,10 +78,11 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
   return {rounded_side(cells.hx, thickness), rounded_side(cells.hy, thickness)};
 }
 
-PadTables::PadTables(double poisson, int cells, bool exact)
+PadTables::PadTables(double poisson, int cells, bool exact, bool means)
     : poisson_(poisson),
       cells_(cells),
       exact_(exact),
+      means_(means),
       layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
       stress_(stress_table(*layer_)) {}
 
@@ -97,7 +99,8 @@ std::vector<double> PadTables::stress() const {
 }
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
-  const std::vector<fem::CellInfluence> all = layer_->influences(1, size.hx, size.hy, cells_);
+  const std::vector<fem::CellInfluence> all = means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_)
+                                                     : layer_->influences(1, size.hx, size.hy, cells_);
   const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   const auto unit = units(zz, tt);

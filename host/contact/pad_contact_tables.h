@@ -25,9 +25,10 @@ class PadTables {
   /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
 
-  /// Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
+  /// `means`: displacements are means over cells (fem/pad/layer_means.h), as free sides need them, not values at their
+  /// middles. Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
   /// of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
-  PadTables(double poisson, int cells, bool exact);
+  PadTables(double poisson, int cells, bool exact, bool means = false);
   /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
   PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);
 
@@ -53,7 +54,7 @@ class PadTables {
 
   double poisson_;
   int cells_;
-  bool exact_;
+  bool exact_, means_ = false;
   std::vector<std::shared_ptr<const PadTables>> points_;
   std::shared_ptr<const fem::PadLayer> layer_;
   std::vector<double> stress_;
