@@ -257,52 +257,14 @@ static void check_input(global const vreal *lane_input, global const vreal *path
   }
 }
 
-/* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
-   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. With FREE_SIDES pairs
-   [groups of the launch][PAIR_NUMBERS] is memory to work in, layers has OWN_TABLES' tables, softs [scenes][COUNT] the
-   compliances that cells have of their own, over H; SidePart tells the others. The other arrays are as
-   kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
-   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
-   not 0. */
-kernel void pad_contact(uint first_group,
-#if FREE_SIDES
-                        global real *pairs, global const real *layers, global const real *softs,
-                        global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
-#else
-                        global const side *tables, global const int *table_of,
-#endif
-                        int first_vector, global const vreal *lane_input, global const vreal *path,
-                        global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
-                        real accept, int most_sweeps, global real *result, global real *forces) {
-  TAKE_GROUP(group);
-#if FREE_SIDES
-  const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
-  global const real *head =
-      layers + (first_vector + group) * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE);
-  global real *table = pairs + group * PAIR_NUMBERS;
-#elif OWN_TABLES
-  (void)table_of;
-  global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE),
-                    *table = head + PAD_TABLE_HEAD;
-#else
-  global const side *head = tables + (size_t)table_of[group] * (PAD_TABLE_HEAD + SPAN * SPAN * PAD_INFLUENCE);
-  global const side *table = head + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
-#endif
-  const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
-  const size_t vector = first_vector + group * VECTORS;
-  const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
-  lane_input += vector * PAD_INPUT_ROWS;
-  path += vector * increments * PAD_PATH_ROWS;
-  heights += vector * RING * RING;
-
+/* Walks the load paths of a group; the arrays are its own. */
+INLINE void walk(const Influence *influence, global const vreal *lane_input, global const vreal *path,
+                 global const vreal *heights, int increments, real tolerance, const Answers *a) {
   Cells c;
   State s;
   check_input(lane_input, path, heights, increments, &s);
   c.listed = 0;
-#if FREE_SIDES
-  if (s.valid.v[0]) make_pairs(&part, head, softs + vector * COUNT, lane_input, heights, table);
-#endif
-  s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
+  s.half_size = (real)0.5 * CELLS * fmax(influence->hx, influence->hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
     s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] =
@@ -312,7 +274,7 @@ kernel void pad_contact(uint first_group,
     s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
     s.power.v[v] = (real)1.5;
     s.trial_sweeps.v[v] = s.slid.v[v] = 0;
-    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
+    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence->root_tt / influence->root_zz);
     s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
     s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
   }
@@ -320,7 +282,7 @@ kernel void pad_contact(uint first_group,
     c.n[i].v[v] = c.tx[i].v[v] = c.ty[i].v[v] = c.gx[i].v[v] = c.gy[i].v[v] = 0;
     c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
 #if FREE_SIDES
-    global const real *own = table + (size_t)PAIR_PLANES * COUNT * i + i;
+    global const real *own = influence->table + (size_t)PAIR_PLANES * COUNT * i + i;
     c.per_own_n[i].v[v] = 1 / own[PLANE_ZN * COUNT];
     c.per_own_t[i].v[v] = 1 / fmax(own[PLANE_XX * COUNT], own[PLANE_YY * COUNT]);
 #endif
@@ -340,22 +302,22 @@ kernel void pad_contact(uint first_group,
       target.twist.v[v] = to[PAD_TWIST];
     }
     if (!any_of(&s.running)) break;
-    start_increment(&influence, &target, heights, &c, &s, &solving);
+    start_increment(influence, &target, heights, &c, &s, &solving);
     do {
       list_cells(&s.active, &c);
-      while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
-      widen(&influence, &solving, &c, &s);
+      while (any_of(&s.active)) sweep(influence, a->most_sweeps, &c, &s);
+      widen(influence, &solving, &c, &s);
       if (any_of(&s.active)) continue;
-      if (any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
-      refine(&influence, &solving, accept, &c, &s);
+      if (any_of(&s.searching)) next_depth(influence, heights, tolerance, &c, &s);
+      refine(influence, &solving, a->accept, &c, &s);
     } while (any_of(&s.active));
     Masks asked;
     EACH_VECTOR(v) {
       asked.v[v] = slot.v[v] >= 0;
       s.lost.v[v] |= s.failed.v[v];
     }
-    add_slide(&influence, &c, &s);
-    if (any_of(&asked)) report(&influence, lane_input, heights, &answers, &slot, &c, &s);
+    add_slide(influence, &c, &s);
+    if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
     remember(&c, &s);
   }
   /* Lanes whose input is no scene. */
@@ -363,13 +325,62 @@ kernel void pad_contact(uint first_group,
     real valid[LANES];
     STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
     for (int l = 0; l < LANES; ++l)
-      for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_RESULT_ROWS; ++k)
-        result[(answers.first_lane + v * LANES + l) * slots * PAD_RESULT_ROWS + k] =
+      for (int k = 0; k < (valid[l] == 0 ? a->slots : 0) * PAD_RESULT_ROWS; ++k)
+        a->result[(a->first_lane + v * LANES + l) * a->slots * PAD_RESULT_ROWS + k] =
             k % PAD_RESULT_ROWS == RESULT_STATUS ? (real)LANE_INVALID : 0;
   }
 }
 
+#if !FREE_SIDES
+/* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
+   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
+   kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
+   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
+   not 0. */
+kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
+                        global const vreal *lane_input, global const vreal *path, global const vreal *heights,
+                        int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
+                        global real *result, global real *forces) {
+  TAKE_GROUP(group);
+#if OWN_TABLES
+  (void)table_of;
+  global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE),
+                    *table = head + PAD_TABLE_HEAD;
+#else
+  global const side *head = tables + (size_t)table_of[group] * (PAD_TABLE_HEAD + SPAN * SPAN * PAD_INFLUENCE);
+  global const side *table = head + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
+#endif
+  const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
+  const size_t vector = first_vector + group * VECTORS;
+  const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
+  walk(&influence, lane_input + vector * PAD_INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
+       heights + vector * RING * RING, increments, tolerance, &answers);
+}
+#endif
+
 #if FREE_SIDES
+/* The same with free sides, a scene a work-item. layers [scenes][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE]: the
+   layer's means; softs [scenes][COUNT]: compliances that cells have of their own, over H; pairs [groups of the
+   launch][PAIR_NUMBERS]: memory to work in. SidePart (pad/free_sides.h) tells the others. The launch begins with scene
+   first_scene. */
+kernel void pad_free_contact(uint first_group, global real *pairs, global const real *layers, global const real *softs,
+                             global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
+                             int first_scene, global const vreal *lane_input, global const vreal *path,
+                             global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
+                             real accept, int most_sweeps, global real *result, global real *forces) {
+  TAKE_GROUP(group);
+  const size_t scene = first_scene + group;
+  const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
+  global const real *head = layers + scene * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE);
+  global real *table = pairs + group * PAIR_NUMBERS;
+  lane_input += scene * PAD_INPUT_ROWS;
+  heights += scene * RING * RING;
+  make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
+  const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
+  const Answers answers = {scene, slots, write_forces, most_sweeps, accept, result, forces};
+  walk(&influence, lane_input, path + scene * increments * PAD_PATH_ROWS, heights, increments, tolerance, &answers);
+}
+
 /* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
    among `responses`, [3 nodes][3 tactels up to a multiple of SUMMANDS]: stress over 1 / H^2 by unit forces x, y, z on
    the nodes of the block. The other arrays are those of pad_contact and pad_base_stress. */

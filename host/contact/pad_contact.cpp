@@ -228,7 +228,7 @@ struct PadContact<Real>::State {
   LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
                          std::vector<Real>& stress_tables, std::vector<Real>& shares);
   void take_tactels(Laid& b) const;
-  Launch contact_launch(const Laid& b, int vectors, std::size_t first_vector);
+  Launch contact_launch(const Laid& b, int vectors, std::size_t first);
   Launch stress_launch(const Laid& b, int vectors);
   void bind_sides(const Laid& b, KernelArguments& kernel) const;
   Launch side_stress_launch(const Laid& b);
@@ -587,19 +587,20 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
 }
 
 template <class Real>
-Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first_vector) {
-  return executor.prepare(program(vectors), "pad_contact", [&](KernelArguments& kernel) {
+Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first) {
+  return executor.prepare(program(vectors), b.free ? "pad_free_contact" : "pad_contact", [&](KernelArguments& kernel) {
     if (b.free) {
       kernel.set("pairs", b.pairs);
       kernel.set("layers", b.own_tables);
       kernel.set("softs", b.softs.numbers);
       kernel.set("between", b.between);
       bind_sides(b, kernel);
+      kernel.set("first_scene", std::int32_t(first));
     } else {
       kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
       kernel.set("table_of", b.table_of_group);
+      kernel.set("first_vector", std::int32_t(first));
     }
-    kernel.set("first_vector", std::int32_t(first_vector));
     kernel.set("lane_input", b.input.numbers);
     kernel.set("path", b.path.numbers);
     kernel.set("heights", b.heights.numbers);
@@ -783,7 +784,7 @@ void PadContact<Real>::Batch::set_parts(bool base_stress) {
   for (std::vector<Job>& jobs : laid_->rounds)
     for (Job& job : jobs) {
       const std::string& kernel = job.launch.kernel();
-      if (kernel == "pad_contact") job.launch.set("write_forces", std::int32_t(base_stress));
+      if (kernel == "pad_contact" || kernel == "pad_free_contact") job.launch.set("write_forces", std::int32_t(base_stress));
       if (kernel == "pad_base_stress") job.groups = base_stress ? laid_->stress_groups : 0;
       if (kernel == "pad_side_stress") job.groups = base_stress ? laid_->lanes : 0;
     }

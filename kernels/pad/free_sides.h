@@ -189,6 +189,9 @@ OUTLINE void make_pairs(const SidePart *part, global const real *head, global co
                         global const real *heights, global real *table) {
   const real hx = head[PAD_HX], hy = head[PAD_HY], nn = 1 / (head[PAD_ROOT_ZZ] * head[PAD_ROOT_ZZ]),
              tt = 1 / (head[PAD_ROOT_TT] * head[PAD_ROOT_TT]), nt = 1 / (head[PAD_ROOT_ZZ] * head[PAD_ROOT_TT]);
+  real sum = 0;
+  for (int r = 0; r < PAD_INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
+  if (!(sum == 0)) return; /* no scene: walk() says so */
   const real area = hx * hy;
   const real units[PAIR_PLANES] = {area * nn, area * nt, area * nt, area * tt, area * tt,
                                    area * nt, area * tt, area * tt, area * nt};
