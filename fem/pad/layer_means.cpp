@@ -26,10 +26,10 @@ std::vector<CellInfluence> layer_means(const PadLayer& layer, double thickness, 
   return means;
 }
 
-int uniform_parts(double side) { return static_cast<int>(std::ceil(side / PadLayer::narrow_cell)); }
-
 PadBaseStress uniform_base_stress(const PadLayer& layer, double thickness, double hx, double hy, double x, double y) {
-  const int nx = uniform_parts(hx / thickness), ny = uniform_parts(hy / thickness);
+  // Of parts that PadLayer takes as uniform.
+  const auto parts = [&](double h) { return static_cast<int>(std::ceil(h / (PadLayer::narrow_cell * thickness))); };
+  const int nx = parts(hx), ny = parts(hy);
   PadBaseStress sum = PadBaseStress::Zero();
   for (int i = 0; i < nx; ++i)
     for (int j = 0; j < ny; ++j)

@@ -14,9 +14,6 @@ namespace tactel::fem {
 /// since the integrand has kinks at its sides.
 std::vector<CellInfluence> layer_means(const PadLayer& layer, double thickness, double hx, double hy, int n);
 
-/// Returns into how many equal parts a side over H goes whose tractions PadLayer takes as uniform.
-int uniform_parts(double side);
-
 /// Returns the base stress by a uniform unit traction on a cell at an offset, as PadLayer::base_stress.
 PadBaseStress uniform_base_stress(const PadLayer& layer, double thickness, double hx, double hy, double x, double y);
 

@@ -14,7 +14,6 @@
 #include <tuple>
 
 #include "fem/angles.h"
-#include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/value_error.h"
 #include "host/contact/limits.h"
@@ -34,6 +33,7 @@ constexpr int own_tables = 0;              ///< in place of a number of vectors:
 constexpr int free_sides = -1;             ///< the same: work-items are scenes whose sides are free
 constexpr std::size_t most_blocks = 8;     ///< with free sides whose tables are kept
 constexpr std::size_t most_responses = 64;
+constexpr double uniform_part = 0.4;  ///< H: of a cell under which two Gauss points give the base stress
 constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
 constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
@@ -535,7 +535,7 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     const auto [at, is_new] = points.try_emplace(side);
     if (!is_new) return at->second;
     std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side);
-    const int uniform = free ? fem::uniform_parts(side) : all.size() == 1 ? 1 : 0;
+    const int uniform = free ? static_cast<int>(std::ceil(side / uniform_part)) : all.size() == 1 ? 1 : 0;
     if (uniform > 0) all.clear();
     for (int k = 0; k < uniform; ++k)  // Gauss's points
       for (const double at : {-0.5 / std::numbers::sqrt3, 0.5 / std::numbers::sqrt3})
