@@ -28,7 +28,7 @@ namespace tactel::host {
 namespace {
 
 constexpr int pad_friction_strata = 4;
-constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
+constexpr std::size_t most_poissons = 32;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
 constexpr int free_sides = -1;             ///< the same: work-items are scenes whose sides are free
 constexpr std::size_t most_blocks = 8;     ///< with free sides whose tables are kept
@@ -42,8 +42,12 @@ struct OnCells {
   fem::PadScene scene;
   fem::PadCells cells;
   PadCellSize size;
-  bool solvable = true;   ///< else some cells stand for those that the scene would need
-  fem::PadSides sides{};  ///< free ones
+  bool solvable = true;  ///< else some cells stand for those that the scene would need
+  // With free sides:
+  fem::PadSides sides{};
+  Eigen::MatrixXd heights{};                              ///< fem::heights_on_pad
+  Eigen::VectorXd softs{};                                ///< fem::shared_compliances
+  std::shared_ptr<const std::vector<double>> influence{};  ///< of the layer: PadTables::influence
 };
 
 /// The part of free sides of one block, on the device.
@@ -99,7 +103,8 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
   using Cost = std::tuple<int, std::size_t, int, int, double, std::size_t>;
   std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size, solvable, sides] = on_cells[i];
+    const OnCells& of = on_cells[i];
+    const auto& [scene, cells, size] = std::tie(of.scene, of.cells, of.size);
     const double half_size = cells.half_size();
     by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
                                                         straightness(scene, half_size), half_size, i);
@@ -217,7 +222,7 @@ struct PadContact<Real>::State {
   Buffer<Real> side_part(const fem::PadSides& sides);
   std::shared_ptr<const std::vector<Real>> response(const fem::PadSensor& sensor, const fem::PadSides& sides);
   Buffer<Real> responses(const std::vector<OnCells>& on_cells, std::vector<std::int32_t>& response_of);
-  void lay_on_pad(Scenes& scenes, std::vector<OnCells>& all) const;
+  void lay_on_pad(Scenes& scenes, std::vector<OnCells>& all);
   std::vector<OnCells> on_cells(Scenes& scenes);
   LaneScenes<Real> numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes) const;
   Buffer<Real> shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
@@ -280,8 +285,10 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
 
 /// The cells of scenes with free sides, by the twin's search.
 template <class Real>
-void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& all) const {
-  const fem::PadLayer layer = fem::pad_layer(scenes.all_.front().scene.sensor.poisson);
+void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& all) {
+  const double poisson = scenes.all_.front().scene.sensor.poisson;
+  const fem::PadLayer layer = fem::pad_layer(poisson);
+  const std::shared_ptr<const PadTables> means = tables(poisson, true);
   all.resize(scenes.all_.size());
   side_by_side(all.size(), executor.threads(), [&](std::size_t i) {
     auto& [scene, path, cells] = scenes.all_[i];
@@ -298,6 +305,8 @@ void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& a
     if (to.solvable) refuse_beyond_block(scene, *cells);
     if (!to.solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     to.scene = std::move(scene), to.cells = *cells, to.size = cell_size(*cells, H);
+    to.heights = fem::heights_on_pad(to.cells, to.scene), to.softs = fem::shared_compliances(to.cells, to.scene);
+    to.influence = means->influence(to.size);
   });
 }
 
@@ -330,7 +339,7 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
     const bool solvable = fem::solvable(*cells, H, depth);
     if (!solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     const PadCellSize size = cell_size(*cells, H);
-    all.push_back({std::move(scene), *cells, size, solvable, {}});
+    all.push_back({.scene = std::move(scene), .cells = *cells, .size = size, .solvable = solvable});
   }
   return all;
 }
@@ -340,7 +349,8 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   LaneScenes<Real> all;
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size, solvable, sides] = on_cells[i];
+    const OnCells& of = on_cells[i];
+    const auto& [scene, cells, solvable, sides] = std::tie(of.scene, of.cells, of.solvable, of.sides);
     const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options, cells);
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
@@ -402,7 +412,7 @@ Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>
   for (std::size_t lane = first; lane < lanes.in_lane.size(); ++lane) {
     if (lanes.in_lane[lane] == no_scene) continue;
     const OnCells& of = on_cells[lanes.in_lane[lane]];
-    const auto table = tables(of.scene.sensor.poisson, of.sides.kernel != nullptr)->influence(of.size);
+    const auto table = of.influence ? of.influence : tables(of.scene.sensor.poisson)->influence(of.size);
     const std::vector<Real> numbers(table->begin(), table->end());
     array.put(all.view(), lane - first, std::span(numbers));
   }
@@ -418,12 +428,12 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
   std::ranges::fill(all.view(), Real(0));
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size, solvable, sides] = on_cells[i];
-    const Eigen::MatrixXd h = fem::heights_on_pad(cells, scene);
+    const OnCells& of = on_cells[i];
+    const Eigen::MatrixXd h = of.sides.kernel ? of.heights : fem::cell_heights(of.cells, of.scene.indenter);
     numbers.clear();
     for (int k = 0; k < ring * ring; ++k)
       numbers.push_back(
-          static_cast<Real>(std::min(h(k / ring, k % ring) / scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
+          static_cast<Real>(std::min(h(k / ring, k % ring) / of.scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
     array.put(all.view(), lanes.place[i], std::span(numbers));
   }
   return array;
@@ -437,7 +447,7 @@ LaneArray<Real> PadContact<Real>::State::softs(const std::vector<OnCells>& on_ce
   const auto all = array.numbers.map(MapFor::writing);
   for (const std::size_t i : lanes.order) {
     const OnCells& of = on_cells[i];
-    const Eigen::VectorXd own = fem::shared_compliances(of.cells, of.scene) / of.scene.sensor.thickness;
+    const Eigen::VectorXd own = of.softs / of.scene.sensor.thickness;
     const std::vector<Real> numbers(own.begin(), own.end());
     array.put(all.view(), lanes.place[i], std::span(numbers));
   }
@@ -546,7 +556,7 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     return at->second;
   };
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size, solvable, sides] = on_cells[i];
+    const auto& [scene, cells, size] = std::tie(on_cells[i].scene, on_cells[i].cells, on_cells[i].size);
     const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
     if (is_new) {
       for (const double number : tables(scene.sensor.poisson)->stress())

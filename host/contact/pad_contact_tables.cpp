@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "fem/layer/legendre_points.h"
 #include "fem/pad/layer_means.h"
@@ -116,6 +117,21 @@ std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
   return table;
 }
 
+/// Returns the table of cells with x and y exchanged.
+std::vector<double> PadTables::turned(const std::vector<double>& of) const {
+  std::vector<double> table = of;
+  std::swap(table[PAD_HX], table[PAD_HY]);
+  const int side = cells_ + 1;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double* from = &of[PAD_TABLE_HEAD + static_cast<std::size_t>(j * side + i) * PAD_OWN_INFLUENCE];
+      double* to = &table[PAD_TABLE_HEAD + static_cast<std::size_t>(i * side + j) * PAD_OWN_INFLUENCE];
+      std::copy_n(from, PAD_OWN_INFLUENCE, to);
+      std::swap(to[PAD_XX], to[PAD_YY]), std::swap(to[PAD_XZ], to[PAD_YZ]);
+    }
+  return table;
+}
+
 std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
   const OnLadder x(size.hx), y(size.hy);
   std::vector<Weighted> rungs;
@@ -163,7 +179,9 @@ std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize
     const std::lock_guard lock(making_);
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
-  auto made = std::make_shared<const std::vector<double>>(make_influence(size));
+  const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
+  auto made = std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx}))
+                                                                : make_influence(size));
   const std::lock_guard lock(making_);
   if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;

@@ -45,6 +45,7 @@ class PadTables {
 
  private:
   std::vector<double> make_influence(const PadCellSize& size) const;
+  std::vector<double> turned(const std::vector<double>& of) const;
   std::vector<double> between_rungs(const PadCellSize& size) const;
   /// The influence of cells with both sides on rungs, which is kept.
   std::shared_ptr<const std::vector<double>> on_rungs(const PadCellSize& size) const;
