@@ -301,8 +301,7 @@ void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& a
       scene.indenter = std::move(laid.indenter), cells = laid.cells, depth = laid.depth;
     }
     const double H = scene.sensor.thickness;
-    to.solvable = fem::solvable(*cells, H, depth);
-    if (to.solvable) refuse_beyond_block(scene, *cells);
+    to.solvable = fem::solvable(*cells, H, depth) && !reaches_beyond_block(scene, *cells);
     if (!to.solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     to.scene = std::move(scene), to.cells = *cells, to.size = cell_size(*cells, H);
     to.heights = fem::heights_on_pad(to.cells, to.scene), to.softs = fem::shared_compliances(to.cells, to.scene);

@@ -28,7 +28,7 @@ std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu);
 
 /// Contact of scenes on pads, each on its own cells over what its indenter touches; a scene whose cells are not
-/// fem::solvable gets LANE_INVALID. Sensors may differ in thickness,
+/// fem::solvable, or that reaches_beyond_block (limits.h), gets LANE_INVALID. Sensors may differ in thickness,
 /// E and Poisson's ratio, not in their tactels; with free sides in E alone. Scenes whose cells have one size over the
 /// thickness, and one Poisson's ratio, share a group; others have tables of their own, and all with free sides. Tables
 /// and programs for one precision. Cheap to copy.

@@ -64,8 +64,7 @@ bool every_step_converged(const fem::PadSolution& solution);
 /// grow, and the scene is solved again. Without `cells`, coarse steps of the pressing are solved alone
 /// (fem/pad/pad_presses.h). A scene with a step over tolerance
 /// after that is solved by the twin in fp64, to a sweep tolerance of 1e-6 or the kernel's, if that is finer, if need be
-/// on 24 x 24 cells, and has fell_back = true. Steps that still miss their tolerance have converged = false. Throws
-/// ValueError as refuse_beyond_block for free sides.
+/// on 24 x 24 cells, and has fell_back = true. Steps that still miss their tolerance have converged = false.
 template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells = {});
