@@ -75,6 +75,7 @@ template <class Real>
 void ContactBatch<Real>::run(const RunOptions& options) {
   LaneState<Real>& b = *state_;
   b.seconds = 0;
+  const std::shared_ptr<const void> borrowed = b.borrow ? b.borrow() : nullptr;
   for (const std::vector<Job>& jobs : b.rounds) {
     if (std::ranges::all_of(jobs, [](const Job& job) { return job.groups == 0; })) continue;
     const RunReport report = b.executor->run(jobs, options);

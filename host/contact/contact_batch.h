@@ -189,6 +189,8 @@ struct LaneState {
   LaneArray<Real> results, outputs, forces, patches;
   Buffer<Real> shapes;    ///< numbers of shapes, where a kernel takes any
   std::vector<std::vector<Job>> rounds;  ///< one after another; the jobs of one side by side
+  /// Gives the jobs what they need for a run alone, until the result ends; none: nothing.
+  std::function<std::shared_ptr<const void>()> borrow{};
   /// Returns the answer of the kernel for scene `i` of a line.
   std::function<fem::ContactSolution(const LaneView<Real>& view, std::size_t i)> solution;
   double seconds = 0;

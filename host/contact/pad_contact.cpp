@@ -57,6 +57,28 @@ struct SideTables {
   Buffer<Real> between;  ///< SidePart of kernels/pad/free_sides.h
 };
 
+/// Memory that runs work in, one at a time: launches that wait have none.
+template <class Real>
+class Lent {
+ public:
+  /// Of at least so many numbers, until the pointer ends.
+  std::shared_ptr<const Buffer<Real>> borrow(const Device& device, std::size_t size) {
+    const std::lock_guard lock(turn_);
+    auto found = std::ranges::find_if(free_, [&](const auto& buffer) { return buffer->size() >= size; });
+    if (found == free_.end()) found = free_.insert(found, std::make_unique<Buffer<Real>>(device, size));
+    auto taken = std::move(*found);
+    free_.erase(found);
+    return {taken.release(), [this](const Buffer<Real>* buffer) {
+              const std::lock_guard lock(turn_);
+              free_.emplace_back(buffer);
+            }};
+  }
+
+ private:
+  std::mutex turn_;
+  std::list<std::unique_ptr<const Buffer<Real>>> free_;
+};
+
 /// Stress of tactels at the base by forces on the nodes of a block: `responses` of pad_side_stress, of one place.
 template <class Real>
 struct SideResponse {
@@ -247,6 +269,7 @@ struct PadContact<Real>::State {
   std::mutex making;                                     ///< of what is made at first use
   std::map<int, std::unique_ptr<Program>> programs;      ///< by vectors, or own_tables
   std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
+  Lent<Real> pairs;                                      ///< tables of scenes with free sides
   std::list<SideTables<Real>> kept_sides;                ///< the last used first
   std::list<SideResponse<Real>> kept_responses;          ///< the last used first
   std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
@@ -264,7 +287,7 @@ struct PadContact<Real>::Laid : LaneState<Real> {
   LaneArray<Real> heights, places, cell_forces;
   // With free sides:
   bool free = false;
-  Buffer<Real> pairs, between, responses;
+  Buffer<Real> between, responses;
   Buffer<std::int32_t> response_of;
   LaneArray<Real> softs;
   std::array<int, 2> nodes{};
@@ -599,7 +622,7 @@ template <class Real>
 Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first) {
   return executor.prepare(program(vectors), b.free ? "pad_free_contact" : "pad_contact", [&](KernelArguments& kernel) {
     if (b.free) {
-      kernel.set("pairs", b.pairs);
+      kernel.set("pairs", b.between);  // until it is run
       kernel.set("layers", b.own_tables);
       kernel.set("softs", b.softs.numbers);
       kernel.set("between", b.between);
@@ -690,7 +713,12 @@ void PadContact<Real>::State::put_free_jobs(Laid& b) {
   b.response_of = Buffer<std::int32_t>(device(), std::span<const std::int32_t>(response_of));
   b.softs = softs(b.on_cells, b);
   const std::size_t at_once = std::min(groups_at_once(), b.lanes);
-  b.pairs = Buffer<Real>(device(), at_once * pair_numbers(static_cast<std::size_t>(options.cells)));
+  b.borrow = [&b, this, size = at_once * pair_numbers(static_cast<std::size_t>(options.cells))] {
+    auto lent = pairs.borrow(device(), size);
+    for (auto& jobs : b.rounds)
+      if (Launch& launch = jobs.front().launch; launch.kernel() == "pad_free_contact") launch.set("pairs", *lent);
+    return lent;
+  };
   for (std::size_t first = 0; first < b.lanes; first += at_once)
     b.rounds.push_back({{contact_launch(b, free_sides, first), std::min(at_once, b.lanes - first)}});
   b.rounds.push_back({{stress_launch(b, own_tables), b.stress_groups}});
