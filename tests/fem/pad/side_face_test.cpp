@@ -74,7 +74,7 @@ TEST(SideFace, SlippingLetsRubberOut) {
   EXPECT_NEAR(twist.steps.back().P / twist.steps[0].P, 1 - 0.35, 0.02);
   EXPECT_NEAR(*drag.steps.back().slip_index, 1, 0.01);
   // The change in shear since the press over the mean normal stress then: alike at all tactels up to S = 0.4; at the
-  // end the corners have less than the middle, and the middle bears more of the normal stress.
+  // end the corners have less than the middle. Normal stress falls most in the middle.
   const double normal = mean_normal(drag.steps[0]);
   const auto shear = [&](std::size_t k, Eigen::Index tactel) {
     return (drag.steps[k].stress.row(tactel) - drag.steps[0].stress.row(tactel)).tail<2>().norm() / normal;
@@ -84,7 +84,11 @@ TEST(SideFace, SlippingLetsRubberOut) {
   EXPECT_NEAR(shear(early, 0) - shear(early, 5), 0.014, 0.02);
   EXPECT_NEAR(shear(early, 5), 0.21, 0.03);
   EXPECT_LT(shear(12, 0) - shear(12, 5), -0.05);
-  EXPECT_LT(drag.steps.back().stress(5, 0), drag.steps[0].stress(5, 0));
+  const auto normal_left = [&](Eigen::Index tactel) {
+    return drag.steps.back().stress(tactel, 0) / drag.steps[0].stress(tactel, 0);
+  };
+  EXPECT_LT(normal_left(5), 0.6);
+  EXPECT_GT(normal_left(0), 0.7);
 }
 
 }  // namespace
