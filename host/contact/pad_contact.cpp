@@ -571,7 +571,7 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     if (uniform > 0) all.clear();
     for (int k = 0; k < uniform; ++k)  // Gauss's points
       for (const double at : {-0.5 / std::numbers::sqrt3, 0.5 / std::numbers::sqrt3})
-        all.push_back({(k + 0.5 + at) / uniform - 0.5, 0.5 / uniform});
+        all.push_back({at / uniform + (k - (uniform - 1) / 2.0) / uniform, 0.5 / uniform});
     at->second = {shares.size() / 2, all.size()};
     for (const auto& [place, share] : all)
       shares.insert(shares.end(), {static_cast<Real>(place), static_cast<Real>(share)});
