@@ -691,7 +691,8 @@ Launch PadContact<Real>::State::side_stress_launch(const Laid& b) {
 /// Numbers of a scene's table of pairs, as kernels/pad/free_sides.h has them.
 std::size_t pair_numbers(std::size_t cells) {
   const std::size_t count = cells * cells, span = 2 * cells + 1;
-  return 9 * count * count + 4 * (cells + 1) * 3 * count + 9 * span * span;
+  return 9 * count * count + 4 * (cells + 1) * 3 * count + 9 * span * span + 16 * count +
+         std::size_t{MOST_SIDE_NODES} * MOST_SIDE_NODES * PAD_BLOCK;
 }
 
 /// Scenes with free sides whose tables are in memory: some 128 MB on a processor, which has few at work, and what a

@@ -22,11 +22,15 @@ typedef JOIN(REAL, WIDE) wide;
 #define BLOCKS (COUNT / SUMMANDS) /* of a row */
 
 /* Numbers of a scene's table: rows of all cells, [COUNT][PAIR_PLANES][COUNT]; of the ring around them z alone,
-   [4 (CELLS + 1)][3][COUNT]; and the layer by the offset, [PAIR_PLANES][SPAN][SPAN]. */
+   [4 (CELLS + 1)][3][COUNT]. Then room to make it in, which is no private memory, for a GPU would set that aside for
+   each of its threads: the layer by the offset, [PAIR_PLANES][SPAN][SPAN]; shares of nodes in cells, [COUNT][16]; and
+   what the nodes do at a place, [nodes][PAD_BLOCK]. */
 enum { PLANE_ZN = 0, PLANE_ZX, PLANE_ZY, PLANE_XX, PLANE_XY, PLANE_XN, PLANE_YX, PLANE_YY, PLANE_YN, PAIR_PLANES };
 #define RING_AT (COUNT * PAIR_PLANES * COUNT)
 #define LAYER_AT (RING_AT + RING_PLACES * 3 * COUNT)
-#define PAIR_NUMBERS (LAYER_AT + PAIR_PLANES * SPAN * SPAN)
+#define SHARES_AT (LAYER_AT + PAIR_PLANES * SPAN * SPAN)
+#define ROW_AT (SHARES_AT + COUNT * 16)
+#define PAIR_NUMBERS (ROW_AT + MOST_SIDE_NODES * MOST_SIDE_NODES * PAD_BLOCK)
 
 /* The sum of 16 numbers: halves are added until one is left. */
 INLINE real sum_of(wide *parts) {
@@ -114,10 +118,10 @@ typedef struct {
 } NodeBox;
 
 /* What each node of the box moves place `of` by, [nodes of the box][PAD_BLOCK]. */
-static void node_row(const SidePart *part, const NodeBox *box, const NodeShares *of, real *row) {
+static void node_row(const SidePart *part, const NodeBox *box, const NodeShares *of, global real *row) {
   const int along = box->end_y - box->y, width = PAD_BLOCK * along;
   ROLLED for (int x = box->x; x < box->end_x; ++x) {
-    real *to = row + (x - box->x) * width;
+    global real *to = row + (x - box->x) * width;
     global const real *from[16];
     for (int k = 0; k < 16; ++k)
       from[k] = part->between + (size_t)PAD_BLOCK * ((size_t)((of->x + k / 4) * part->nodes_y + of->y + k % 4) *
@@ -131,19 +135,20 @@ static void node_row(const SidePart *part, const NodeBox *box, const NodeShares 
   }
 }
 
-/* Adds the side part to a place's row of the table: `planes` of them, from PLANE_ZN. `row` as node_row leaves it. */
-static void add_side_part(const NodeBox *box, const NodeShares *cells, const real *row, int planes, const real *units,
-                          real cosine, real sine, global real *table) {
+/* Adds the side part to a place's row of the table: `planes` of them, from PLANE_ZN. `row` as node_row leaves it;
+   first: where the first node of each cell lies in it. */
+static void add_side_part(const NodeBox *box, const int *first, global const real *shares, global const real *row,
+                          int planes, const real *units, real cosine, real sine, global real *table) {
   const int along = box->end_y - box->y;
   ROLLED for (int block = 0; block < BLOCKS; ++block) {
     real of_source[SUMMANDS * PAD_BLOCK], plane[PAIR_PLANES * SUMMANDS];
     ROLLED for (int l = 0; l < SUMMANDS; ++l) {
-      const NodeShares *at = cells + block * SUMMANDS + l;
-      const real *from = row + PAD_BLOCK * ((at->x - box->x) * along + at->y - box->y);
+      const int i = block * SUMMANDS + l;
+      global const real *from = row + PAD_BLOCK * first[i], *share = shares + 16 * i;
       EACH(p, PARTS) {
         wide sum = 0;
         EACH(k, 16) {
-          sum = fma((wide)(at->share[k]), LOAD_WIDE(from + PAD_BLOCK * (k / 4 * along + k % 4) + p * WIDE), sum);
+          sum = fma((wide)(share[k]), LOAD_WIDE(from + PAD_BLOCK * (k / 4 * along + k % 4) + p * WIDE), sum);
         }
         STORE_WIDE(sum, of_source + l * PAD_BLOCK + p * WIDE);
       }
@@ -196,24 +201,29 @@ OUTLINE void make_pairs(const SidePart *part, global const real *head, global co
   const real units[PAIR_PLANES] = {area * nn, area * nt, area * nt, area * tt, area * tt,
                                    area * nt, area * tt, area * tt, area * nt};
   const real cosine = in[PAD_COSINE], sine = in[PAD_SINE];
-  NodeShares cells[COUNT], of_ring;
+  global real *layer = table + LAYER_AT, *shares = table + SHARES_AT, *row = table + ROW_AT;
+  NodeShares at;
   NodeBox box = {part->nodes_x, part->nodes_y, 0, 0};
-  real row[PAD_BLOCK * MOST_SIDE_NODES * MOST_SIDE_NODES];
+  int first[COUNT];
 #define MIDDLE(i) ((real)(i) - (real)0.5 * (CELLS - 1))
   for (int i = 0; i < COUNT; ++i) {
-    shares_at(part, in, in[PAD_X_MIDDLE] + MIDDLE(i / CELLS) * hx, in[PAD_Y_MIDDLE] + MIDDLE(i % CELLS) * hy, cells + i);
-    box.x = min(box.x, cells[i].x);
-    box.y = min(box.y, cells[i].y);
-    box.end_x = max(box.end_x, cells[i].x + 4);
-    box.end_y = max(box.end_y, cells[i].y + 4);
+    shares_at(part, in, in[PAD_X_MIDDLE] + MIDDLE(i / CELLS) * hx, in[PAD_Y_MIDDLE] + MIDDLE(i % CELLS) * hy, &at);
+    for (int k = 0; k < 16; ++k) shares[16 * i + k] = at.share[k];
+    first[i] = at.x * part->nodes_y + at.y;
+    box.x = min(box.x, at.x);
+    box.y = min(box.y, at.y);
+    box.end_x = max(box.end_x, at.x + 4);
+    box.end_y = max(box.end_y, at.y + 4);
   }
-  global real *layer = table + LAYER_AT;
+  for (int i = 0; i < COUNT; ++i)
+    first[i] = (first[i] / part->nodes_y - box.x) * (box.end_y - box.y) + first[i] % part->nodes_y - box.y;
   mirror_layer(head + PAD_TABLE_HEAD, layer);
   ROLLED for (int i = 0; i < COUNT; ++i) {
     global real *to = table + (size_t)PAIR_PLANES * COUNT * i;
     put_layer(layer, i / CELLS, i % CELLS, PAIR_PLANES, to);
-    node_row(part, &box, cells + i, row);
-    add_side_part(&box, cells, row, PAIR_PLANES, units, cosine, sine, to);
+    shares_at(part, in, in[PAD_X_MIDDLE] + MIDDLE(i / CELLS) * hx, in[PAD_Y_MIDDLE] + MIDDLE(i % CELLS) * hy, &at);
+    node_row(part, &box, &at, row);
+    add_side_part(&box, first, shares, row, PAIR_PLANES, units, cosine, sine, to);
     to[PLANE_ZN * COUNT + i] += soft[i] * nn;
     to[PLANE_XX * COUNT + i] += soft[i] * tt;
     to[PLANE_YY * COUNT + i] += soft[i] * tt;
@@ -223,10 +233,10 @@ OUTLINE void make_pairs(const SidePart *part, global const real *head, global co
     ring_place(k, &ix, &iy);
     if (heights[(ix + 1) * RING + iy + 1] >= PAD_OPEN) continue;
     global real *to = table + RING_AT + (size_t)3 * COUNT * k;
-    shares_at(part, in, in[PAD_X_MIDDLE] + MIDDLE(ix) * hx, in[PAD_Y_MIDDLE] + MIDDLE(iy) * hy, &of_ring);
+    shares_at(part, in, in[PAD_X_MIDDLE] + MIDDLE(ix) * hx, in[PAD_Y_MIDDLE] + MIDDLE(iy) * hy, &at);
     put_layer(layer, ix, iy, 3, to);
-    node_row(part, &box, &of_ring, row);
-    add_side_part(&box, cells, row, 3, units, cosine, sine, to);
+    node_row(part, &box, &at, row);
+    add_side_part(&box, first, shares, row, 3, units, cosine, sine, to);
   }
 #undef MIDDLE
 }
