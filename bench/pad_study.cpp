@@ -10,13 +10,13 @@
 //     build/bench/tactel_pad_study sides [SCENES, 120] [SEED, 2027] [ANSWERS]
 //
 // prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, or on
-// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is exceeded twice, or less
-// than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts for the answer. A scene
-// whose reference does not settle has no answer to judge by: it is named and left out, and more than one in fifty fail.
+// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is
+// exceeded twice, or less than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts
+// for the answer. A scene whose reference does not settle has no answer to judge by: it is named and left out, and more
+// than one in fifty fail.
 //
-// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 32 with free sides, and
-// so many increments
-// that a path has 24.
+// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 32 with free sides,
+// and so many increments that a path has 24.
 #include <fmt/format.h>
 
 #include <algorithm>

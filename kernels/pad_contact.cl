@@ -384,8 +384,8 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
 /* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
    among `responses`, [3 nodes][3 tactels up to a multiple of SUMMANDS]: stress over 1 / H^2 by unit forces x, y, z on
    the nodes of the block. The other arrays are those of pad_contact and pad_base_stress. */
-kernel void pad_side_stress(uint first_group, global const real *responses, global const int *response_of,
-                            int nodes_x, int nodes_y, real side_x, real side_y, global const real *lane_input,
+kernel void pad_side_stress(uint first_group, global const real *responses, global const int *response_of, int nodes_x,
+                            int nodes_y, real side_x, real side_y, global const real *lane_input,
                             global const real *places, int tactels, int slots, global const real *forces,
                             global real *stress) {
   TAKE_GROUP(group);
@@ -402,7 +402,8 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
       const real n = f[i], tx = f[COUNT + i], ty = f[2 * COUNT + i];
       if (!(n > 0)) continue;
       NodeShares at;
-      shares_at(&part, in, place[PAD_PLACE_X_MIDDLE] + ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HX],
+      shares_at(&part, in,
+                place[PAD_PLACE_X_MIDDLE] + ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HX],
                 place[PAD_PLACE_Y_MIDDLE] + ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HY], &at);
       const real x = place[PAD_PLACE_COSINE] * tx - place[PAD_PLACE_SINE] * ty,
                  y = place[PAD_PLACE_SINE] * tx + place[PAD_PLACE_COSINE] * ty;
@@ -418,8 +419,7 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
       wide sum[PARTS];
       real found[SUMMANDS];
       EACH(p, PARTS) { sum[p] = 0; }
-      for (int m = 0; m < 3 * nodes; ++m)
-        EACH(p, PARTS) {
+      for (int m = 0; m < 3 * nodes; ++m) EACH(p, PARTS) {
           sum[p] = fma((wide)(on_node[m]), LOAD_WIDE(response + (size_t)m * row + at + p * WIDE), sum[p]);
         }
       EACH(p, PARTS) { STORE_WIDE(sum[p], found + p * WIDE); }

@@ -187,7 +187,7 @@ struct LaneState {
   LaneArray<Real> path, input;
   std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
   LaneArray<Real> results, outputs, forces, patches;
-  Buffer<Real> shapes;    ///< numbers of shapes, where a kernel takes any
+  Buffer<Real> shapes;                   ///< numbers of shapes, where a kernel takes any
   std::vector<std::vector<Job>> rounds;  ///< one after another; the jobs of one side by side
   /// Gives the jobs what they need for a run alone, until the result ends; none: nothing.
   std::function<std::shared_ptr<const void>()> borrow{};

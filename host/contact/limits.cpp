@@ -55,7 +55,7 @@ bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid)
   const std::array whole{*scene.sensor.length, *scene.sensor.width};
   for (const int axis : {0, 1}) {
     const double half = sides.kernel->sides()[axis] * H / 2, middle = sides.middle[axis];
-    if (whole[axis] / 2 - half < 1e-6 * H) continue;  // the block is the pad
+    if (whole[axis] / 2 - half < 1e-6 * H) continue;     // the block is the pad
     const auto ends_near = [&](double end, double at) {  // an end of the block that is none of the pad
       return std::abs(end) < whole[axis] / 2 - 1e-6 * H && std::abs(at - end) < least_from_block * H;
     };
@@ -91,11 +91,11 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
                      fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
                                  cells * least, cells * most, cells * laid.hx, cells * laid.hy));
   if (fem::has_free_sides(scene.sensor) && reaches_beyond_block(scene, laid))
-    throw ValueError("sensor.sides", "free",
-                     fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
-                                 "free sides extend over {:g} mm at most",
-                                 fem::longest_block * H, fem::longest_block,
-                                 (fem::longest_block - 2 * least_from_block) * H));
+    throw ValueError(
+        "sensor.sides", "free",
+        fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
+                    "free sides extend over {:g} mm at most",
+                    fem::longest_block * H, fem::longest_block, (fem::longest_block - 2 * least_from_block) * H));
   if (scene.sensor.tactel_size > 0 && fem::base_stress_work(scene, laid) > most_stress_work)
     throw ValueError("sensor.tactel_size", fem::number_text(scene.sensor.tactel_size),
                      fmt::format("a side of fewer thicknesses ({:.3g} mm): the stress under {} x {} tactels of {:.3g} "

@@ -33,7 +33,7 @@ constexpr int own_tables = 0;              ///< in place of a number of vectors:
 constexpr int free_sides = -1;             ///< the same: work-items are scenes whose sides are free
 constexpr std::size_t most_blocks = 8;     ///< with free sides whose tables are kept
 constexpr std::size_t most_responses = 64;
-constexpr double uniform_part = 0.4;  ///< H: of a cell under which two Gauss points give the base stress
+constexpr double uniform_part = 0.4;              ///< H: of a cell under which two Gauss points give the base stress
 constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
 constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
@@ -45,8 +45,8 @@ struct OnCells {
   bool solvable = true;  ///< else some cells stand for those that the scene would need
   // With free sides:
   fem::PadSides sides{};
-  Eigen::MatrixXd heights{};                              ///< fem::heights_on_pad
-  Eigen::VectorXd softs{};                                ///< fem::shared_compliances
+  Eigen::MatrixXd heights{};                               ///< fem::heights_on_pad
+  Eigen::VectorXd softs{};                                 ///< fem::shared_compliances
   std::shared_ptr<const std::vector<double>> influence{};  ///< of the layer: PadTables::influence
 };
 
@@ -266,13 +266,13 @@ struct PadContact<Real>::State {
   Executor& executor;
   fem::PadOptions options;
   PadSearch<Real> search;
-  std::mutex making;                                     ///< of what is made at first use
-  std::map<int, std::unique_ptr<Program>> programs;      ///< by vectors, or own_tables
+  std::mutex making;                                                    ///< of what is made at first use
+  std::map<int, std::unique_ptr<Program>> programs;                     ///< by vectors, or own_tables
   std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
-  Lent<Real> pairs;                                      ///< tables of scenes with free sides
-  std::list<SideTables<Real>> kept_sides;                ///< the last used first
-  std::list<SideResponse<Real>> kept_responses;          ///< the last used first
-  std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
+  Lent<Real> pairs;                                                     ///< tables of scenes with free sides
+  std::list<SideTables<Real>> kept_sides;                               ///< the last used first
+  std::list<SideResponse<Real>> kept_responses;                         ///< the last used first
+  std::vector<std::shared_ptr<const PadTables>> points;                 ///< of polynomials in Poisson's ratio
 };
 
 /// What a batch has besides the lanes' arrays.
@@ -454,8 +454,8 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
     const Eigen::MatrixXd h = of.sides.kernel ? of.heights : fem::cell_heights(of.cells, of.scene.indenter);
     numbers.clear();
     for (int k = 0; k < ring * ring; ++k)
-      numbers.push_back(
-          static_cast<Real>(std::min(h(k / ring, k % ring) / of.scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
+      numbers.push_back(static_cast<Real>(
+          std::min(h(k / ring, k % ring) / of.scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
     array.put(all.view(), lanes.place[i], std::span(numbers));
   }
   return array;
@@ -517,7 +517,8 @@ std::shared_ptr<const std::vector<Real>> PadContact<Real>::State::response(const
   }
   const TactelPoints points(sensor);
   const auto parts = static_cast<Eigen::Index>(points.weights.size()), tactels = points.places.rows() / parts;
-  const Eigen::Index rows = sides.kernel->displacement().rows(), width = (3 * tactels + PAD_BLOCK - 1) / PAD_BLOCK * PAD_BLOCK;
+  const Eigen::Index rows = sides.kernel->displacement().rows(),
+                     width = (3 * tactels + PAD_BLOCK - 1) / PAD_BLOCK * PAD_BLOCK;
   std::vector<Real> numbers(static_cast<std::size_t>(rows * width));
   for (Eigen::Index tactel = 0; tactel < tactels; ++tactel) {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, rows);
@@ -529,8 +530,8 @@ std::shared_ptr<const std::vector<Real>> PadContact<Real>::State::response(const
       for (Eigen::Index r = 0; r < 3; ++r)
         numbers[static_cast<std::size_t>(m * width + r * tactels + tactel)] = static_cast<Real>(sum(r, m));
   }
-  kept_responses.push_front({sides.kernel.get(), sensor, sides.middle,
-                             std::make_shared<const std::vector<Real>>(std::move(numbers))});
+  kept_responses.push_front(
+      {sides.kernel.get(), sensor, sides.middle, std::make_shared<const std::vector<Real>>(std::move(numbers))});
   if (kept_responses.size() > most_responses) kept_responses.pop_back();
   return kept_responses.front().numbers;
 }
@@ -542,8 +543,7 @@ Buffer<Real> PadContact<Real>::State::responses(const std::vector<OnCells>& on_c
   std::vector<Real> all;
   for (const OnCells& of : on_cells) {
     const Eigen::Vector2d& middle = of.sides.middle;
-    const auto [place, is_new] =
-        places.try_emplace({middle[0], middle[1]}, static_cast<std::int32_t>(places.size()));
+    const auto [place, is_new] = places.try_emplace({middle[0], middle[1]}, static_cast<std::int32_t>(places.size()));
     response_of.push_back(place->second);
     if (!is_new) continue;
     const auto numbers = response(of.scene.sensor, of.sides);
@@ -822,7 +822,8 @@ void PadContact<Real>::Batch::set_parts(bool base_stress) {
   for (std::vector<Job>& jobs : laid_->rounds)
     for (Job& job : jobs) {
       const std::string& kernel = job.launch.kernel();
-      if (kernel == "pad_contact" || kernel == "pad_free_contact") job.launch.set("write_forces", std::int32_t(base_stress));
+      if (kernel == "pad_contact" || kernel == "pad_free_contact")
+        job.launch.set("write_forces", std::int32_t(base_stress));
       if (kernel == "pad_base_stress") job.groups = base_stress ? laid_->stress_groups : 0;
       if (kernel == "pad_side_stress") job.groups = base_stress ? laid_->lanes : 0;
     }

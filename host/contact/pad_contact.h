@@ -18,7 +18,8 @@ struct PadPath {
   std::vector<fem::PadTarget> steps;
 };
 
-/// What scenes of one launch have in common where sides are free: length, width, thickness (mm), Poisson's ratio; else 0.
+/// What scenes of one launch have in common where sides are free: length, width, thickness (mm), Poisson's ratio; else
+/// 0.
 std::array<double, 4> free_block(const fem::PadSensor& sensor);
 
 /// Returns the sides -x, +x, -y, +y of its own frame beyond which the surface is penetrated: there its cells must grow.

@@ -100,8 +100,8 @@ std::vector<double> PadTables::stress() const {
 }
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
-  const std::vector<fem::CellInfluence> all = means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_)
-                                                     : layer_->influences(1, size.hx, size.hy, cells_);
+  const std::vector<fem::CellInfluence> all =
+      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_);
   const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   const auto unit = units(zz, tt);
@@ -180,8 +180,8 @@ std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
   const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
-  auto made = std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx}))
-                                                                : make_influence(size));
+  auto made =
+      std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx})) : make_influence(size));
   const std::lock_guard lock(making_);
   if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;

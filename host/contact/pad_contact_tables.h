@@ -26,8 +26,8 @@ class PadTables {
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
 
   /// `means`: displacements are means over cells (fem/pad/layer_means.h), as free sides need them, not values at their
-  /// middles. Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
-  /// of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
+  /// middles. Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right
+  /// to 1e-4 of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
   PadTables(double poisson, int cells, bool exact, bool means = false);
   /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
   PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);

@@ -28,9 +28,7 @@ class OnPads final : public SensorSolver<PadContacts> {
   std::unique_ptr<ContactLaunch<PadContacts>> launch() const override {
     return std::make_unique<LaunchOf<PadContacts, PadContact<Real>>>(contact_);
   }
-  bool holds(const LaneAnswer& answer) const override {
-    return answer.solved() && !any(penetrated_sides(answer));
-  }
+  bool holds(const LaneAnswer& answer) const override { return answer.solved() && !any(penetrated_sides(answer)); }
   std::vector<fem::PadSolution> solve(std::span<const fem::PadScene> scenes,
                                       std::span<const LaneAnswer>) const override {
     return solve_pad_contact(contact_, scenes);

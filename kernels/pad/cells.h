@@ -68,9 +68,9 @@ typedef struct {
   int block[BLOCKS], blocks; /* of SUMMANDS cells, those with cells in the list */
 #endif
 #if STEPPED
-  Lanes soft[COUNT];                        /* compliance of its own that a cell adds, over that of a cell on itself */
-  Masks near[COUNT];                        /* of each lane: cells that the indenter may touch */
-  int near_list[COUNT], nears;              /* those of any lane */
+  Lanes soft[COUNT];           /* compliance of its own that a cell adds, over that of a cell on itself */
+  Masks near[COUNT];           /* of each lane: cells that the indenter may touch */
+  int near_list[COUNT], nears; /* those of any lane */
 #endif
 } Cells;
 

@@ -87,8 +87,10 @@ typedef struct {
 static void shares_at(const SidePart *part, global const real *in, real x, real y, NodeShares *to) {
   const real block_x = in[PAD_COSINE] * x - in[PAD_SINE] * y + in[PAD_BLOCK_X],
              block_y = in[PAD_SINE] * x + in[PAD_COSINE] * y + in[PAD_BLOCK_Y];
-  const real at_x = (clamp(block_x / part->side_x, (real)-0.5, (real)0.5) + (real)0.5) * (real)part->nodes_x - (real)0.5,
-             at_y = (clamp(block_y / part->side_y, (real)-0.5, (real)0.5) + (real)0.5) * (real)part->nodes_y - (real)0.5;
+  const real at_x =
+                 (clamp(block_x / part->side_x, (real)-0.5, (real)0.5) + (real)0.5) * (real)part->nodes_x - (real)0.5,
+             at_y =
+                 (clamp(block_y / part->side_y, (real)-0.5, (real)0.5) + (real)0.5) * (real)part->nodes_y - (real)0.5;
   real wx[4], wy[4];
   to->x = cubic_at(at_x, part->nodes_x, wx);
   to->y = cubic_at(at_y, part->nodes_y, wy);

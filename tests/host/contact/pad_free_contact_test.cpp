@@ -47,8 +47,13 @@ std::vector<fem::PadScene> scenes_on(double H, double poisson) {
   std::vector<fem::PadScene> scenes;
   for (const Named& of : named()) {
     fem::PadScene& scene = scenes.emplace_back();
-    scene.sensor = {.tactels = {4, 5}, .pitch = {4.5, 3.6}, .thickness = H, .young = 1.5, .poisson = poisson,
-                    .length = L, .width = L};
+    scene.sensor = {.tactels = {4, 5},
+                    .pitch = {4.5, 3.6},
+                    .thickness = H,
+                    .young = 1.5,
+                    .poisson = poisson,
+                    .length = L,
+                    .width = L};
     scene.indenter = of.indenter;
     const double depth = of.depth * H / 4.5, way = scene.friction * depth;
     scene.load.indentation = {depth};
@@ -80,7 +85,8 @@ void expect_twin(double H, double poisson, int cells, double tolerance, double t
   const fem::PadLayer layer = fem::pad_layer(poisson);
   const fem::PadSolver twin(layer, {.cells = cells, .tolerance = twin_tolerance});
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const std::string what = std::string(named()[i].name) + ", H " + std::to_string(H) + ", nu " + std::to_string(poisson);
+    const std::string what =
+        std::string(named()[i].name) + ", H " + std::to_string(H) + ", nu " + std::to_string(poisson);
     const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
     double most_stress = 0;
     for (const fem::PadStep& step : b.steps) most_stress = std::max(most_stress, step.stress.cwiseAbs().maxCoeff());
@@ -136,7 +142,8 @@ TEST(PadFreeContact, SameBitsInAnyBatchOrderAndVector) {
     const auto again = ran(PadContact<float>(other, {.cells = 8}), reversed);
     const std::size_t last = scenes.size() - 1;
     for (std::size_t k = 0; k < reversed.size(); ++k)
-      ASSERT_EQ(numbers(again, k), numbers(batch, last - k - (k >= 3 ? 1 : 0))) << device.lanes(Precision::fp32) << " " << k;
+      ASSERT_EQ(numbers(again, k), numbers(batch, last - k - (k >= 3 ? 1 : 0)))
+          << device.lanes(Precision::fp32) << " " << k;
   }
 }
 

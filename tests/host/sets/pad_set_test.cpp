@@ -127,7 +127,9 @@ TEST_F(PadSet, RowsOfAContactDependOnTheContactAlone) {
 /// Contacts all over a pad with free sides, of two rubbers.
 TEST_F(PadSet, FreeSidesTakeTheDevice) {
   std::string text = sweep_text;
-  const auto put = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
+  const auto put = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
   put("seed = 26", "seed = 26\nsensors = 2");
   put("tactels = [4, 3]", "length = 10\nwidth = 12\nsides = \"free\"\ntactels = [4, 3]");
   put("position = [{ uniform = [-3, 3] }, { uniform = [-3, 3] }]",
