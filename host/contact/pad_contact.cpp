@@ -19,6 +19,7 @@
 #include "host/contact/limits.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_search.h"
+#include "host/contact/pad_side_tables.h"
 #include "host/contact/strata.h"
 #include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
@@ -31,9 +32,7 @@ constexpr int pad_friction_strata = 4;
 constexpr std::size_t most_poissons = 32;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
 constexpr int free_sides = -1;             ///< the same: work-items are scenes whose sides are free
-constexpr std::size_t most_blocks = 8;     ///< with free sides whose tables are kept
-constexpr std::size_t most_responses = 64;
-constexpr double uniform_part = 0.4;              ///< H: of a cell under which two Gauss points give the base stress
+constexpr double uniform_part = 0.4;       ///< H: of a cell under which two Gauss points give the base stress
 constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
 constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
@@ -48,44 +47,6 @@ struct OnCells {
   Eigen::MatrixXd heights{};                               ///< fem::heights_on_pad
   Eigen::VectorXd softs{};                                 ///< fem::shared_compliances
   std::shared_ptr<const std::vector<double>> influence{};  ///< of the layer: PadTables::influence
-};
-
-/// The part of free sides of one block, on the device.
-template <class Real>
-struct SideTables {
-  std::shared_ptr<const fem::SideKernel> kernel;
-  Buffer<Real> between;  ///< SidePart of kernels/pad/free_sides.h
-};
-
-/// Memory that runs work in, one at a time: launches that wait have none.
-template <class Real>
-class Lent {
- public:
-  /// Of at least so many numbers, until the pointer ends.
-  std::shared_ptr<const Buffer<Real>> borrow(const Device& device, std::size_t size) {
-    const std::lock_guard lock(turn_);
-    auto found = std::ranges::find_if(free_, [&](const auto& buffer) { return buffer->size() >= size; });
-    if (found == free_.end()) found = free_.insert(found, std::make_unique<Buffer<Real>>(device, size));
-    auto taken = std::move(*found);
-    free_.erase(found);
-    return {taken.release(), [this](const Buffer<Real>* buffer) {
-              const std::lock_guard lock(turn_);
-              free_.emplace_back(buffer);
-            }};
-  }
-
- private:
-  std::mutex turn_;
-  std::list<std::unique_ptr<const Buffer<Real>>> free_;
-};
-
-/// Stress of tactels at the base by forces on the nodes of a block: `responses` of pad_side_stress, of one place.
-template <class Real>
-struct SideResponse {
-  const fem::SideKernel* kernel;
-  fem::PadSensor sensor;
-  Eigen::Vector2d middle;
-  std::shared_ptr<const std::vector<Real>> numbers;
 };
 
 /// Frame of the cells on the pad.
@@ -185,7 +146,7 @@ Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
 template <class Real>
 struct PadContact<Real>::State {
   State(Executor& executor, const fem::PadOptions& given)
-      : executor(executor), options(given), search(executor, given.any_poisson) {
+      : executor(executor), options(given), search(executor, given.any_poisson), side_tables(executor.device()) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
       throw ValueError("cells", std::to_string(given.cells), "8, 12, 16 or 24");
@@ -241,8 +202,6 @@ struct PadContact<Real>::State {
     return kept.front();
   }
 
-  Buffer<Real> side_part(const fem::PadSides& sides);
-  std::shared_ptr<const std::vector<Real>> response(const fem::PadSensor& sensor, const fem::PadSides& sides);
   Buffer<Real> responses(const std::vector<OnCells>& on_cells, std::vector<std::int32_t>& response_of);
   void lay_on_pad(Scenes& scenes, std::vector<OnCells>& all);
   std::vector<OnCells> on_cells(Scenes& scenes);
@@ -269,10 +228,8 @@ struct PadContact<Real>::State {
   std::mutex making;                                                    ///< of what is made at first use
   std::map<int, std::unique_ptr<Program>> programs;                     ///< by vectors, or own_tables
   std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
-  Lent<Real> pairs;                                                     ///< tables of scenes with free sides
-  std::list<SideTables<Real>> kept_sides;                               ///< the last used first
-  std::list<SideResponse<Real>> kept_responses;                         ///< the last used first
-  std::vector<std::shared_ptr<const PadTables>> points;                 ///< of polynomials in Poisson's ratio
+  PadSideTables<Real> side_tables;
+  std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
 };
 
 /// What a batch has besides the lanes' arrays.
@@ -476,66 +433,6 @@ LaneArray<Real> PadContact<Real>::State::softs(const std::vector<OnCells>& on_ce
   return array;
 }
 
-/// The part of a block's free sides on the device, which is kept.
-template <class Real>
-Buffer<Real> PadContact<Real>::State::side_part(const fem::PadSides& sides) {
-  const std::lock_guard lock(making);
-  const auto found = std::ranges::find(kept_sides, sides.kernel, &SideTables<Real>::kernel);
-  if (found != kept_sides.end()) {
-    kept_sides.splice(kept_sides.begin(), kept_sides, found);
-    return kept_sides.front().between;
-  }
-  // Of zn zx zy xx xy xn yx yy yn: by and to which component (x, y, z), and the sign of a pressure in place of a force.
-  constexpr int to[] = {2, 2, 2, 0, 0, 0, 1, 1, 1}, by[] = {2, 0, 1, 0, 1, 2, 0, 1, 2};
-  constexpr double sign[] = {1, -1, -1, 1, 1, 1, 1, 1, 1};
-  const Eigen::MatrixXd& all = sides.kernel->displacement();
-  const Eigen::Index nodes = all.rows() / 3;
-  std::vector<Real> numbers(static_cast<std::size_t>(nodes * nodes) * PAD_BLOCK);
-  auto entry = numbers.begin();
-  for (Eigen::Index i = 0; i < nodes; ++i)
-    for (Eigen::Index j = 0; j < nodes; ++j, entry += PAD_BLOCK)
-      for (int k = 0; k < 9; ++k) entry[k] = static_cast<Real>(sign[k] * all(3 * i + to[k], 3 * j + by[k]));
-  kept_sides.push_front({sides.kernel, buffer_of(device(), std::move(numbers))});
-  if (kept_sides.size() > most_blocks) kept_sides.pop_back();
-  return kept_sides.front().between;
-}
-
-/// What free sides add to the stress of tactels by unit forces on the nodes: [3 nodes][3 tactels, filled up].
-template <class Real>
-std::shared_ptr<const std::vector<Real>> PadContact<Real>::State::response(const fem::PadSensor& sensor,
-                                                                           const fem::PadSides& sides) {
-  const auto same = [&](const SideResponse<Real>& of) {
-    return of.kernel == sides.kernel.get() && of.middle == sides.middle && of.sensor.tactels == sensor.tactels &&
-           of.sensor.pitch == sensor.pitch && of.sensor.tactel_size == sensor.tactel_size &&
-           of.sensor.thickness == sensor.thickness;
-  };
-  const std::lock_guard lock(making);
-  const auto found = std::ranges::find_if(kept_responses, same);
-  if (found != kept_responses.end()) {
-    kept_responses.splice(kept_responses.begin(), kept_responses, found);
-    return kept_responses.front().numbers;
-  }
-  const TactelPoints points(sensor);
-  const auto parts = static_cast<Eigen::Index>(points.weights.size()), tactels = points.places.rows() / parts;
-  const Eigen::Index rows = sides.kernel->displacement().rows(),
-                     width = (3 * tactels + PAD_BLOCK - 1) / PAD_BLOCK * PAD_BLOCK;
-  std::vector<Real> numbers(static_cast<std::size_t>(rows * width));
-  for (Eigen::Index tactel = 0; tactel < tactels; ++tactel) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, rows);
-    for (Eigen::Index p = 0; p < parts; ++p) {
-      const Eigen::Vector2d at = sides.in_block(points.places.row(tactel * parts + p).transpose());
-      sum += points.weights[static_cast<std::size_t>(p)] * sides.kernel->base_stress(at[0], at[1]);
-    }
-    for (Eigen::Index m = 0; m < rows; ++m)
-      for (Eigen::Index r = 0; r < 3; ++r)
-        numbers[static_cast<std::size_t>(m * width + r * tactels + tactel)] = static_cast<Real>(sum(r, m));
-  }
-  kept_responses.push_front(
-      {sides.kernel.get(), sensor, sides.middle, std::make_shared<const std::vector<Real>>(std::move(numbers))});
-  if (kept_responses.size() > most_responses) kept_responses.pop_back();
-  return kept_responses.front().numbers;
-}
-
 template <class Real>
 Buffer<Real> PadContact<Real>::State::responses(const std::vector<OnCells>& on_cells,
                                                 std::vector<std::int32_t>& response_of) {
@@ -546,7 +443,7 @@ Buffer<Real> PadContact<Real>::State::responses(const std::vector<OnCells>& on_c
     const auto [place, is_new] = places.try_emplace({middle[0], middle[1]}, static_cast<std::int32_t>(places.size()));
     response_of.push_back(place->second);
     if (!is_new) continue;
-    const auto numbers = response(of.scene.sensor, of.sides);
+    const auto numbers = side_tables.response(of.scene.sensor, of.sides);
     all.insert(all.end(), numbers->begin(), numbers->end());
   }
   return buffer_of(device(), std::move(all));
@@ -708,14 +605,14 @@ template <class Real>
 void PadContact<Real>::State::put_free_jobs(Laid& b) {
   const fem::PadSides& sides = b.on_cells.front().sides;
   b.nodes = sides.kernel->mesh().cells, b.sides = sides.kernel->sides();
-  b.between = side_part(sides);
+  b.between = side_tables.between(sides);
   std::vector<std::int32_t> response_of;
   b.responses = responses(b.on_cells, response_of);
   b.response_of = Buffer<std::int32_t>(device(), std::span<const std::int32_t>(response_of));
   b.softs = softs(b.on_cells, b);
   const std::size_t at_once = std::min(groups_at_once(), b.lanes);
   b.borrow = [&b, this, size = at_once * pair_numbers(static_cast<std::size_t>(options.cells))] {
-    auto lent = pairs.borrow(device(), size);
+    auto lent = side_tables.borrow(size);
     for (auto& jobs : b.rounds)
       if (Launch& launch = jobs.front().launch; launch.kernel() == "pad_free_contact") launch.set("pairs", *lent);
     return lent;
@@ -757,8 +654,16 @@ std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(double poisson) con
 
 template <class Real>
 std::size_t PadContact<Real>::most_lane_steps() const {
-  constexpr std::size_t most_numbers = std::size_t{1} << 25;
-  return most_numbers / (3 * state_->count());
+  constexpr std::size_t most_numbers = std::size_t{1} << 25, most_with_responses = 4096;
+  const std::size_t most = most_numbers / (3 * state_->count());
+  return long_pads_ ? std::min(most, most_with_responses) : most;
+}
+
+template <class Real>
+PadContact<Real> PadContact<Real>::for_long_pads() const {
+  PadContact other = *this;
+  other.long_pads_ = true;
+  return other;
 }
 
 template <class Real>

@@ -89,9 +89,13 @@ class PadContact {
   std::shared_ptr<const fem::PadLayer> layer(double poisson) const;
   /// Load steps of a launch, at most: some 130 MB of forces.
   std::size_t most_lane_steps() const;
+  /// Returns the same with fewer load steps a launch, for pads whose block is not the same everywhere: each scene has
+  /// its own responses, some 0.3 MB.
+  PadContact for_long_pads() const;
 
  private:
   std::shared_ptr<State> state_;
+  bool long_pads_ = false;
 };
 
 extern template class PadContact<float>;

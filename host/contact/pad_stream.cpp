@@ -99,7 +99,9 @@ std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::
           fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual);
         else
           contact.layer(sensor.poisson);
-        return std::make_shared<OnPads<Real>>(contact);
+        const bool is_long = fem::has_free_sides(sensor) &&
+                             std::max(*sensor.length, *sensor.width) > fem::longest_block * sensor.thickness;
+        return std::make_shared<OnPads<Real>>(is_long ? contact.for_long_pads() : contact);
       },
       contact_);
 }
