@@ -16,8 +16,8 @@ struct Unevenness {
 };
 
 /// A random grip that holds an object, [load.hold] of a pad's sweep file, frame by frame: it presses, takes up the
-/// object's weight, rests, and moves. Loads along the pad are over friction's limit mu P: by force they are that share
-/// of it; by motion so many elastic limits, the shear of a layer that bears mu times the mean pressure.
+/// object's weight, rests, and moves. Loads along the pad are over the limit: by force over friction's limit mu P, by
+/// motion over the elastic limit, the shear of a layer that bears mu times the mean pressure.
 struct HoldLoad {
   int frames = 300;
   int press = 20;                        ///< frames before the rest: the first half presses, the other takes up the weight

@@ -16,14 +16,16 @@ struct HeldStep {
   double slid = 0;                ///< mm: slide in this step of the contact as a whole; 0 where a cell sticks
 };
 
-/// A grip on its way: what its next step asks for, from what the last one said. The object's face moves with its place,
-/// and tilts with the last step's shear force. By motion the hand keeps its force a step behind, by the depth.
+/// A grip on its way: what its next step asks for, from what the last one said. It is pressed by wrench, then stepped by
+/// motion. The hand keeps its force a step behind, by the depth. By force the object moves in each frame by what the pad
+/// lacks of its load over a sticking stiffness: it comes to rest where friction bears the load, else it slides. Its face
+/// moves with its place, and tilts with the last step's shear force.
 class HeldContact {
  public:
   HeldContact(const fem::PadScene& scene, const Hold& hold, const fem::PadCells& cells);
 
   /// Whether frame k is stepped by wrench, not by motion.
-  bool by_wrench(std::size_t k) const { return !hold_.by_motion || k < pressing_; }
+  bool by_wrench(std::size_t k) const { return k < pressing_; }
   /// Puts the object over the cells for frame k: heights and cover [cells], its axis; returns the wrench, or the pose, of
   /// the frame.
   std::array<double, 4> ask(std::size_t k, std::span<double> heights, std::span<double> cover,
@@ -36,7 +38,7 @@ class HeldContact {
  private:
   void put_object(std::span<double> heights, std::span<double> cover, std::array<double, 2>& axis);
   std::array<double, 4> pose(std::size_t k) const;
-  std::array<double, 4> wrench(std::size_t k) const;
+  std::array<double, 3> way_by_force(std::size_t k) const;
   double limit(const HeldStep& step) const;
   double force(std::size_t k) const;
   double from_lowest() const { return last_.pose[0] - lowest_; }

@@ -25,6 +25,8 @@
 namespace tactel::host {
 namespace {
 
+constexpr int most_sweeps = 2000;  ///< of a pose: some need more than a simulator waits for
+
 /// What a frame of a contact keeps until its rows are gathered.
 struct Kept {
   HeldStep step;
@@ -52,6 +54,7 @@ StepOptions step_options(const fem::PadSensor& sensor, const SetOptions& options
   StepOptions made;
   made.cells = options.pad.cells;
   made.cell = std::min(length, width) / made.cells;
+  made.most_sweeps = most_sweeps;
   if (options.accept > 0) made.tolerance = options.accept / fem::slow_on_patch;
   return made;
 }
@@ -130,7 +133,7 @@ std::unique_ptr<SetSimulator::Range> HoldSimulator::prepare(std::uint64_t first,
   return chunk;
 }
 
-/// Steps grips on one sensor, all by wrench or all by motion, frame by frame. A grip that has ended stays where it is.
+/// Steps grips on one sensor that press in as many frames, frame by frame. A grip that has ended stays where it is.
 template <class Real>
 void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bool()>& goes_on, Range& range) const {
   const fem::PadSensor& sensor = grips.front()->scene.sensor;
@@ -187,12 +190,11 @@ void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bo
 void HoldSimulator::run(Range& range, const RunOptions& options) const {
   auto& chunk = static_cast<HoldChunk&>(range);
   const auto start = std::chrono::steady_clock::now();
-  // A launch is by wrench or by motion of all its contacts, and those that press are pressed by wrench.
-  std::map<std::tuple<std::size_t, bool, int>, std::vector<Grip*>> groups;
+  std::map<std::pair<std::size_t, int>, std::vector<Grip*>> groups;  // a launch is by wrench or by motion of all contacts
   const std::vector<fem::PadSensor>& sensors = source_.sensors();
   for (Grip& grip : chunk.grips) {
     const auto sensor = static_cast<std::size_t>(std::ranges::find(sensors, grip.scene.sensor) - sensors.begin());
-    groups[{sensor, grip.hold.by_motion, grip.hold.by_motion ? grip.hold.press : 0}].push_back(&grip);
+    groups[{sensor, grip.hold.pressing()}].push_back(&grip);
   }
   const std::function<bool()> goes_on = [&] {
     StopScope::check();
