@@ -107,7 +107,30 @@ void stepped(benchmark::State& state, std::size_t count, int threads, bool by_wr
   state.SetLabel(executor.device().info().name);
 }
 
+/// One contact by the twin on the host, in fp64.
+void twin_stepped(benchmark::State& state) {
+  const bench::Bowls bowls(1, 1);
+  fem::PadOptions options;
+  options.cells = bowls.cells.n;
+  const Eigen::Map<const Eigen::ArrayXd> heights(bowls.heights.data(), bowls.cells.count());
+  const fem::PadLayer layer = fem::pad_layer(bowls.pad.poisson);
+  for (auto _ : state) {
+    fem::SteppedContact twin(layer, bowls.pad, bowls.cells, bowls.friction[0], options);
+    twin.set_surface({heights, Eigen::ArrayXd::Ones(heights.size())});
+    double seconds = 0;
+    for (int k = 0; k < steps_a_way + 4; ++k) {
+      const std::vector<double> pose = bowls.pose(k);
+      const auto began = std::chrono::steady_clock::now();
+      benchmark::DoNotOptimize(twin.move(pose[0], {pose[1], pose[2], pose[3]}));
+      if (k >= 4) seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    }
+    state.SetIterationTime(seconds);
+    state.counters["us_a_step"] = 1e6 * seconds / steps_a_way;
+  }
+}
+
 const bool registered = [] {
+  benchmark::RegisterBenchmark("step/motion/twin", twin_stepped)->Unit(benchmark::kMillisecond)->UseManualTime();
   for (const bool by_wrench : {false, true})
     for (const std::size_t count : {1, 2, 16, 256, 4096})
       for (const int threads : {1, 2}) {

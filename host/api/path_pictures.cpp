@@ -105,7 +105,7 @@ void to_vtu(const PadPath& path, const std::string& file, std::optional<std::siz
   write(file, api::with_public_errors([&] {
           const auto& outcome = answer_of<host::PadOutcome>(path);
           const std::size_t last = outcome.solution.steps.size() - 1;
-          return host::to_vtu(outcome.scene, outcome.solution, checked(step, outcome, last));
+          return host::field_of(file, outcome.scene, outcome.solution, checked(step, outcome, last));
         }));
 }
 

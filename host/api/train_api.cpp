@@ -99,7 +99,8 @@ Network Network::from_layers(const std::vector<DenseLayer>& layers, const InputO
                                              inputs.history_change);
     const nn::InputScaling scaling{nn::parse_scaling(inputs.scaling), static_cast<float>(inputs.largest_stress), 1,
                                    inputs.axes};
-    return Network(new State{std::make_shared<nn::Model>(host::model_of_chain(chain, scaling, history, inputs.name))});
+    return Network(new State{std::make_shared<nn::Model>(
+        host::model_of_chain(chain, scaling, history, inputs.name, nn::parse_target(inputs.target)))});
   });
 }
 Network Network::load(const std::string& path) {

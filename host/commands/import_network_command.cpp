@@ -27,7 +27,7 @@ constexpr int random_frames = 1000;
 constexpr std::uintmax_t most_bytes_of_frames = 64 << 20;
 
 struct ImportRequest {
-  std::string network, output, profile, frames, scaling = "set";
+  std::string network, output, profile, frames, scaling = "set", target = "slip_index";
   double largest_stress = 1;
   std::optional<std::string> history;
   std::optional<double> history_change;
@@ -39,14 +39,14 @@ nn::Model model_of(const ImportRequest& request, const DenseChain& chain, const 
   return model_of_chain(chain,
                         {nn::parse_scaling(request.scaling), static_cast<float>(request.largest_stress), 1, axes},
                         parse_history(request.history, request.history_change),
-                        std::filesystem::path(request.network).filename().string());
+                        std::filesystem::path(request.network).filename().string(), nn::parse_target(request.target));
 } catch (const ValueError& error) {
   throw ConfigError(request.network, error);
 }
 
 void check_inputs(const ImportRequest& request, const nn::Model& model, const hw::ChannelMap& map) {
-  const auto inputs = static_cast<std::size_t>(model.numbers());
-  const std::size_t wanted = map.places() * static_cast<std::size_t>(model.history.frames);
+  const auto inputs = static_cast<std::size_t>(model.weights.topology.inputs());
+  const std::size_t wanted = map.places() * static_cast<std::size_t>(model.scaling.shown());
   if (inputs != wanted)
     throw ConfigError(request.network, "network", fmt::format("{} inputs", inputs),
                       fmt::format("a network of {} inputs for {}: normal stresses of all tactels, then the others",
@@ -136,14 +136,18 @@ void add_import_network_command(CLI::App& app, Action& action) {
   command
       ->add_option(
           "--scaling", request->scaling,
-          "what divides a frame before the network: --largest-stress (set), or its largest normal stress (frame)")
-      ->check(CLI::IsMember({"set", "frame"}))
+          "what divides a frame before the network: --largest-stress (set), its largest normal stress (frame), or, of "
+          "its difference to the rest of a grip, the force at rest (rest)")
+      ->check(CLI::IsMember({"set", "frame", "rest"}))
       ->capture_default_str();
   command->add_option("--largest-stress", request->largest_stress, "divisor of --scaling set, MPa; 1: none")
       ->capture_default_str();
   command->add_option("--history", request->history, "frames in an input, newest first, as of tactel train")
       ->type_name("K[:STRIDE]");
   command->add_option("--history-change", request->history_change, "as of tactel train (default: 0.1)");
+  command->add_option("--target", request->target, "what it answers, as of tactel train")
+      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid"}))
+      ->capture_default_str();
   command->footer("Exit codes: 0 done, 2 wrong input, 4 other answers than the network's own.");
   command->callback([request, &action] { action = [request] { return run_import(*request); }; });
 }

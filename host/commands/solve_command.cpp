@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "fem/pad/side_kernel.h"
 #include "fem/stress_field.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/answer_page.h"
@@ -89,7 +90,7 @@ void write_field(const SolveRequest& request, const SolveOutcome& outcome, std::
   warn_of_strain(request, field);
 }
 void write_field(const SolveRequest& request, const PadOutcome& outcome, std::size_t step) {
-  write_file("--field", request.field, to_vtu(outcome.scene, outcome.solution, step));
+  write_file("--field", request.field, field_of(request.field, outcome.scene, outcome.solution, step));
 }
 
 SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
@@ -116,6 +117,9 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
 /// Errors that the answer alone shows get the line of the scene's file.
 PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) try {
   if (!request.field.empty()) check_writable("--field", request.field);
+  if (request.field.ends_with(".vts") && fem::has_free_sides(scene.sensor))
+    throw ConfigError("command line", "--field", request.field,
+                      "a .vtu, of cells: the field in the rubber is that of a pad with held sides");
   if (request.derivatives)
     throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
   const StageLine stage("solving " + request.scene, request.shared.quiet);
@@ -182,9 +186,9 @@ void add_solve_command(CLI::App& app, Action& action) {
       ->type_name("FILE.svg|png|pdf");
   command
       ->add_option("--field", request->field,
-                   "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad the cells of its "
-                   "surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip")
-      ->type_name("FILE.vtu");
+                   "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad in .vts, in .vtu the "
+                   "cells of its surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip")
+      ->type_name("FILE.vtu|vts");
   command
       ->add_option("--html", request->html,
                    "write a page: the contact over its load steps, with rubber, tractions, stress and tactels")

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/figures/vtu.h"
 
+#include <array>
 #include <charconv>
+#include <concepts>
+#include <type_traits>
 #include <vector>
 
 #include "host/figures/pad_view.h"
@@ -10,7 +13,7 @@ namespace tactel::host {
 namespace {
 
 /// One number as text that reads back to the same bits.
-void append(std::string& out, double value) {
+void append(std::string& out, std::floating_point auto value) {
   char text[32];
   out.append(text, std::to_chars(text, text + sizeof text, value).ptr);
   out += ' ';
@@ -18,7 +21,11 @@ void append(std::string& out, double value) {
 
 std::string data_array(const std::string& attributes, const auto& values) {
   std::string out = "        <DataArray " + attributes + " format=\"ascii\">\n";
-  for (const auto value : values) append(out, static_cast<double>(value));
+  for (const auto value : values)
+    if constexpr (std::is_same_v<decltype(value), const float>)
+      append(out, value);
+    else
+      append(out, static_cast<double>(value));
   return out + "\n        </DataArray>\n";
 }
 
@@ -87,6 +94,33 @@ std::string to_vtu(const fem::PadScene& scene, const fem::PadSolution& solution,
                            data_array("type=\"Float64\" Name=\"tangential_traction\" NumberOfComponents=\"3\"", shear) +
                            data_array("type=\"UInt8\" Name=\"status\"", at.status) + "      </CellData>\n";
   return document(data, points, corners_of_cells(grid.n), vtk_quad);
+}
+
+std::string to_vts(const fem::PadField& field) {
+  const auto& [nx, ny, nz] = field.points;
+  const std::string extent =
+      "0 " + std::to_string(nx - 1) + " 0 " + std::to_string(ny - 1) + " 0 " + std::to_string(nz - 1);
+  std::string out =
+      "<?xml version=\"1.0\"?>\n<!-- lengths in mm, stresses in MPa -->\n"
+      "<VTKFile type=\"StructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <StructuredGrid "
+      "WholeExtent=\"" +
+      extent + "\">\n    <Piece Extent=\"" + extent +
+      "\">\n      <PointData Vectors=\"displacement\" Scalars=\"sigma_z\">\n" +
+      data_array("type=\"Float32\" Name=\"displacement\" NumberOfComponents=\"3\"",
+                 field.displacement.cast<float>().eval().reshaped());
+  const std::array<const char*, 6> names{"sigma_x", "sigma_y", "sigma_z", "tau_xy", "tau_yz", "tau_xz"};
+  for (std::size_t s = 0; s < names.size(); ++s)
+    out += data_array("type=\"Float32\" Name=\"" + std::string(names[s]) + "\"",
+                      field.stress.row(static_cast<Eigen::Index>(s)).cast<float>().eval());
+  return out + "      </PointData>\n      <Points>\n" +
+         data_array("type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"",
+                    field.place.cast<float>().eval().reshaped()) +
+         "      </Points>\n    </Piece>\n  </StructuredGrid>\n</VTKFile>\n";
+}
+
+std::string field_of(const std::string& file, const fem::PadScene& scene, const fem::PadSolution& solution,
+                     std::size_t step) {
+  return file.ends_with(".vts") ? to_vts(fem::pad_field(scene, solution, step)) : to_vtu(scene, solution, step);
 }
 
 }  // namespace tactel::host

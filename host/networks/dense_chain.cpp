@@ -94,16 +94,20 @@ nn::Weights<float> weights_of_chain(const DenseChain& chain) {
   return made;
 }
 
-nn::Model model_of_chain(const DenseChain& chain, nn::InputScaling scaling, const nn::InputHistory& history,
-                         const std::string& name) {
+nn::Model model_of_chain(const DenseChain& chain, nn::InputScaling scaling, nn::InputHistory history,
+                         const std::string& name, nn::Target target) {
   nn::Weights<float> weights = weights_of_chain(chain);
+  history.rest = scaling.kind == nn::ScalingKind::rest;
+  history.frames += history.rest;
   scaling.history = history.frames;
   scaling.validate();
-  if (weights.topology.inputs() % (scaling.axes * history.frames) != 0)
+  if (weights.topology.inputs() % (scaling.axes * scaling.shown()) != 0)
     refuse(fmt::format("{} inputs for a history of {} frames with {} stresses a tactel", weights.topology.inputs(),
-                       history.frames, scaling.axes),
+                       scaling.shown(), scaling.axes),
            "inputs of so many equal frames");
-  return {std::move(weights), scaling, 0, 0, name, 0, {}, history};
+  nn::Model model{std::move(weights), scaling, 0, 0, name, 0, {}, history};
+  model.target = target;
+  return model;
 }
 
 }  // namespace tactel::host

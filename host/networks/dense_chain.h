@@ -32,9 +32,9 @@ double evaluate(const DenseChain& chain, const nn::Vector<double>& frame);
 /// are not finite in fp32.
 nn::Weights<float> weights_of_chain(const DenseChain& chain);
 
-/// Returns the network of a chain: its scaling, whose `history` is that of `history`, its history, and `name` as its
-/// learning set. Throws ValueError as above, and where these do not fit.
-nn::Model model_of_chain(const DenseChain& chain, nn::InputScaling scaling, const nn::InputHistory& history,
-                         const std::string& name);
+/// Returns the network of a chain: its scaling, its history, to which `rest` adds a frame, `name` as its learning set,
+/// and what it answers. Throws ValueError as above, and where these do not fit.
+nn::Model model_of_chain(const DenseChain& chain, nn::InputScaling scaling, nn::InputHistory history,
+                         const std::string& name, nn::Target target);
 
 }  // namespace tactel::host

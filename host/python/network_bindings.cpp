@@ -177,7 +177,7 @@ std::string text_of(const AlarmAnswer& said) {
 
 Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames>& biases,
                     const std::string& activation, double slope, std::string scaling, double largest_stress, int axes,
-                    std::string history, std::optional<double> history_change, std::string name) {
+                    std::string history, std::optional<double> history_change, std::string name, std::string target) {
   if (weights.size() != biases.size())
     throw InputError("biases", std::to_string(biases.size()) + " arrays", "one for each of weights");
   std::vector<DenseLayer> layers;
@@ -191,8 +191,8 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
                       l + 1 < weights.size() ? activation : "sigmoid",
                       slope});
   }
-  return Network::from_layers(
-      layers, {std::move(scaling), largest_stress, axes, std::move(history), history_change, std::move(name)});
+  return Network::from_layers(layers, {std::move(scaling), largest_stress, axes, std::move(history), history_change,
+                                       std::move(name), std::move(target)});
 }
 
 }  // namespace
@@ -248,12 +248,13 @@ void bind_networks(py::module_& m) {
       .def_static(
           "load", [](const FileName& path) { return Network::load(path); }, "path"_a,
           "Loads a network file (ONNX) that tactel wrote.")
-      .def_static("from_arrays", &from_arrays, "weights"_a, "biases"_a, "activation"_a = "sigmoid", py::kw_only(),
-                  "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "axes"_a = 2, "history"_a = "",
-                  "history_change"_a = py::none(), "name"_a = "own",
-                  "Returns a network that another program trained: weights [out, in] and biases [out] of one or two "
-                  "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu), and of one output through "
-                  "a sigmoid, which is S. axes: stresses of a tactel, of a pad 3 or 1.")
+      .def_static(
+          "from_arrays", &from_arrays, "weights"_a, "biases"_a, "activation"_a = "sigmoid", py::kw_only(),
+          "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "axes"_a = 2, "history"_a = "",
+          "history_change"_a = py::none(), "name"_a = "own", "target"_a = "slip_index",
+          "Returns a network that another program trained: weights [out, in] and biases [out] of one or two "
+          "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu), and of one output through "
+          "a sigmoid, which is the target. axes: stresses of a tactel, of a pad 3 or 1. scaling: set, frame or rest.")
       .def(
           "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },
           "frames"_a, "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")

@@ -195,7 +195,9 @@ void bind_pictures(py::class_<Path>& path) {
           "to_vtu",
           [](const Path& self, const FileName& file, std::optional<std::size_t> step) { to_vtu(self, file, step); },
           "file"_a, "step"_a = py::none(),
-          "Writes the VTK file of `tactel solve --field` of a step (None: the last), for ParaView.");
+          "Writes the VTK file of `tactel solve --field` of a step (None: the last), for ParaView. Of a pad a name "
+          "that "
+          "ends in .vts takes the rubber, in .vtu the cells.");
 }
 
 }  // namespace tactel::python

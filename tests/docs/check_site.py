@@ -44,7 +44,7 @@ def check_search(browser, site, expect):
 def check_looks(browser, site, expect):
     """Every page of the manual, and one of each kind of the reference, on a telephone: light and dark."""
     browser.open(site / "index.html")
-    for page in sorted(set(site.glob("*.html")) - {site / "404.html"}) + [site / f"api/{name}.html" for name in OF_HEADERS]:
+    for page in sorted(set(site.glob("*.html")) - {site / "404.html"}) + [site / f"api/{name}.html" for name in OF_HEADERS] + sorted(site.glob("tutorials/*.html")):
         for dark in (False, True):
             where = f"{page.relative_to(site)}, {'dark' if dark else 'light'}"
             browser.run("localStorage.clear()")  # else the site keeps the first scheme

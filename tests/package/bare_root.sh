@@ -34,7 +34,7 @@ deb() {
   inside 'apt-get install -y --no-install-recommends ./tactel_*.deb > /dev/null'
   after="$(inside 'dpkg --list | grep -c "^ii"')"
   said "installation of $((after - before)) packages"
-  [ $((after - before)) -lt 60 ] || fail "$((after - before)) packages are installed"
+  [ $((after - before)) -lt 65 ] || fail "$((after - before)) packages are installed"
   inside 'tactel solve /usr/share/tactel/examples/parabola.toml | grep "the whole contact slides"'
   said "first answer"
   inside 'tactel demo --output demo; test -s demo/contact.html; test -s demo/networks.html'

@@ -40,6 +40,35 @@ class Metadata(unittest.TestCase):
         self.assertIn("deb | wheel", done.stderr)
 
 
+class Release(unittest.TestCase):
+    """scripts/release in a repository of its own, which has its scripts and what names the version."""
+
+    def refusal(self, changelog, **then):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "scripts").mkdir()
+            for name in ("scripts/release", "scripts/steps.sh", "CMakeLists.txt"):
+                (root / name).write_text(text(name))
+            (root / "CHANGELOG.md").write_text(changelog)
+            git = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-C", folder]
+            for words in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "all"], *then.get("git", [])):
+                subprocess.run([*git, *words], check=True)
+            if "file" in then:
+                (root / then["file"]).write_text("")
+            done = subprocess.run(["bash", root / "scripts/release"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertFalse((root / "build-release").exists())
+            return done.stderr
+
+    def test_what_is_no_release_is_refused(self):
+        version = re.search(r"\nversion: (\S+)\n", text("CITATION.cff"))[1]
+        notes = f"## {version}\n\n- all of it\n"
+        self.assertIn("the tree has changes", self.refusal(notes, file="new.txt"))
+        self.assertIn(f'no section "## {version}"', self.refusal("## 0.9.0\n\n- less\n"))
+        tag = ["tag", f"v{version}"], ["commit", "-q", "--allow-empty", "-m", "more"]
+        self.assertIn(f"the tag v{version} names another commit", self.refusal(notes, git=tag))
+
+
 class Wheel(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

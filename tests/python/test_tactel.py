@@ -322,6 +322,19 @@ class OwnNetworks(unittest.TestCase):
         frame = np.array([-0.4, -0.2, 0.1, 0.3], np.float32)
         np.testing.assert_allclose(net(frame), net(7 * frame), atol=1e-6)
 
+    def test_differences_to_rest_with_history(self):
+        # One pad tactel of three axes: two frames, the newest first, and the rest, whose normal stress is -0.5 MPa.
+        weights, biases = self.layers([6, 5, 1])
+        net = tactel.Network.from_arrays(weights, biases, "tanh", scaling="rest", history="2", axes=3, target="slid")
+        newest, earlier, rest = np.random.default_rng(2).normal(0, 0.1, (3, 20, 3)).astype(np.float32)
+        rest[:, 0] = -0.5
+        x = np.tanh(np.hstack([newest - rest, earlier - rest]).astype(float) / 0.5 @ weights[0].T + biases[0])
+        slid = 1 / (1 + np.exp(-(x @ weights[1].T + biases[1])))[:, 0]
+        np.testing.assert_allclose(net(np.hstack([newest, earlier, rest])), slid, atol=1e-6)
+        with tempfile.TemporaryDirectory() as folder:
+            net.to_onnx(pathlib.Path(folder) / "own.onnx")
+            self.assertEqual(tactel.SlipEstimator.load(pathlib.Path(folder) / "own.onnx").metadata("target"), "slid")
+
     def shear_alarm(self, **options):
         """S = 1 / (1 + exp(-10 shear)) of the first of two tactels' shears, which is above 0."""
         net = tactel.Network.from_arrays([[[0, 0, 1, 0]], [[10]]], [[0], [0]], "relu")

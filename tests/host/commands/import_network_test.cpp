@@ -71,6 +71,19 @@ TEST_F(ImportNetwork, HistoryIsKept) {
   EXPECT_EQ(made.scaling.kind, nn::ScalingKind::frame);
 }
 
+// The rest of the grip is one more frame of an input; the network itself has as many inputs as without it.
+TEST_F(ImportNetwork, DifferencesToRestAndAnotherTarget) {
+  const ChildResult result =
+      run({"--scaling", "rest", "--target", "slid", "--profile", folder_.write("p.toml", profile)});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nn::Model made = read_onnx(folder_ / "new.onnx");
+  EXPECT_EQ(made.scaling.kind, nn::ScalingKind::rest);
+  EXPECT_TRUE(made.history.rest);
+  EXPECT_EQ(made.numbers(), 8);
+  EXPECT_EQ(made.target, nn::Target::slid);
+  EXPECT_TRUE(is_refused(run({"--target", "slide"}), {"--target", "slip_index", "slid"}));
+}
+
 // The divisor is the largest of the normal stresses, a third of the inputs.
 TEST_F(ImportNetwork, APadsFramesHaveThreeAxes) {
   std::string pad = profile;

@@ -185,6 +185,17 @@ TEST(SolveCommand, JsonSaysWhenTheFallbackAnswered) {
   EXPECT_EQ(json::parse(run_tactel({"solve", parabola, "--json", "-"}).out)["fallback"], false);
 }
 
+TEST(SolveCommand, WritesTheRubberOfAPad) {
+  const ScratchFolder folder;
+  const std::string rubber = folder / "rubber.vts", scene = text_of(source_file("examples/pad.toml"));
+  ASSERT_EQ(run_tactel({"solve", source_file("examples/pad.toml"), "--field", rubber}).exit_code, 0);
+  EXPECT_THAT(text_of(rubber), HasSubstr("<VTKFile type=\"StructuredGrid\""));
+  const std::string sides =
+      folder.write("sides.toml", std::string(scene).insert(scene.find("[sensor]") + 8, "\nlength = 19\nwidth = 19"));
+  EXPECT_TRUE(is_refused(run_tactel({"solve", sides, "--field", rubber}),
+                         {"--field = ", "must be a .vtu, of cells", "held sides"}));
+}
+
 TEST(SolveCommand, WritesEveryOutput) {
   const ScratchFolder folder;
   const std::string answer = folder / "a.json", svg = folder / "a.svg", field = folder / "a.vtu";

@@ -51,6 +51,22 @@ TEST_P(Vtu, HoldsEveryNodeAndCell) {
   EXPECT_NE(vtu.find("NumberOfPoints=\"" + std::to_string(nodes) + "\""), std::string::npos);
 }
 
+// The rubber of a pad: each number at each point, the first at the base, the last at the surface.
+TEST(Vts, HoldsEveryPointOfTheRubber) {
+  const fem::PadScene scene{.load = {.indentation = {0.2}}};
+  const fem::PadLayer layer(scene.sensor.poisson);
+  const fem::PadField field = fem::pad_field(scene, fem::PadSolver(layer, {.cells = 8}).solve(scene), 0);
+  const auto points = static_cast<std::size_t>(field.place.cols());
+  EXPECT_EQ(points, static_cast<std::size_t>(field.points[0] * field.points[1] * field.points[2]));
+  std::map<std::string, std::size_t> counts = counts_in(to_vts(field));
+  for (const char* name : {"sigma_x", "sigma_y", "sigma_z", "tau_xy", "tau_yz", "tau_xz"})
+    EXPECT_EQ(counts[name], points) << name;
+  EXPECT_EQ(counts["displacement"], 3 * points);
+  EXPECT_EQ(counts["Points"], 3 * points);
+  EXPECT_EQ(field.place(2, 0), 0);
+  EXPECT_DOUBLE_EQ(field.place(2, field.place.cols() - 1), scene.sensor.thickness);
+}
+
 INSTANTIATE_TEST_SUITE_P(Elements, Vtu, testing::Values(fem::Element::bbar, fem::Element::q4i, fem::Element::q8),
                          [](const auto& info) { return fem::name(info.param); });
 

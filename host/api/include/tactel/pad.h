@@ -148,7 +148,8 @@ struct PadPath {
 /// held, and HardwareError.
 TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
 
-/// As those of a line; the VTK file has the cells with their tractions.
+/// As those of a line; the VTK file has the cells with their tractions, or, where its name ends in .vts, displacement
+/// and stress in the rubber of a pad with held sides.
 TACTEL_API std::string html(const PadPath& path, std::optional<std::size_t> step = {});
 TACTEL_API void to_html(const PadPath& path, const std::string& file, std::optional<std::size_t> step = {});
 TACTEL_API std::string json(const PadPath& path);

@@ -58,12 +58,15 @@ struct DenseLayer {
 
 /// How the frames of such a network become its inputs.
 struct InputOptions {
-  std::string scaling = "set";             ///< divided by largest_stress, or by the "frame"'s largest normal stress
+  /// "set": divided by largest_stress; "frame": by the frame's largest normal stress; "rest": as TrainOptions::scaling,
+  /// so that an input is followed by the rest of its grip
+  std::string scaling = "set";
   double largest_stress = 1;               ///< MPa; 1: as they are
   int axes = 2;                            ///< stresses of a tactel: of a pad 3, or 1
   std::string history{};                   ///< "k" or "k:stride", as TrainOptions::history
   std::optional<double> history_change{};  ///< as TrainOptions::history_change
   std::string name = "own";                ///< of the learning set, in the network's metadata
+  std::string target = "slip_index";       ///< what it answers, as TrainOptions::target
 };
 
 /// A trained network with its origin. Copies are cheap and share it.
