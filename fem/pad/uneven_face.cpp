@@ -20,7 +20,8 @@ double UnevenFace::height(double x, double y) const {
 }
 
 // On a grid the phase of a wave is a part of the row and one of the column: cos of their sum, by powers of two phases.
-void UnevenFace::add(const PadCells& cells, std::array<double, 2> place, double angle, std::span<double> heights) const {
+void UnevenFace::add(const PadCells& cells, std::array<double, 2> place, double angle,
+                     std::span<double> heights) const {
   const double cosine = std::cos(angle), sine = std::sin(angle);
   const auto n = static_cast<std::size_t>(cells.n);
   std::vector<double> real(n), imaginary(n);

@@ -75,7 +75,8 @@ HoldLoad read_hold_load(const TomlFile& file, const toml::table& table) {
   load.moves = in.distribution("moves", ChoiceDraw{{1, 2, 3}, {1, 1, 1}}, 0, most_moves, "a number of moves, 0 to 20");
   load.size = in.distribution("size", usual, 0, 100, "a load over mu P, 0 to 100");
   load.turn = in.distribution("turn", UniformDraw{-1, 1}, -1, 1, "a share, -1 to 1");
-  load.move_frames = in.distribution("move_frames", LogUniformDraw{4, 60}, 1, most_frames, "a number of frames, 1 to 1000");
+  load.move_frames =
+      in.distribution("move_frames", LogUniformDraw{4, 60}, 1, most_frames, "a number of frames, 1 to 1000");
   load.pause = in.distribution("pause", UniformDraw{0, 40}, 0, most_frames, frames);
   load.back = in.probability("back", 0.6);
   load.relax = in.distribution("relax", UniformDraw{0, 0.06}, -0.9, 0.9, "a share of the force, -0.9 to 0.9");

@@ -20,20 +20,20 @@ struct Unevenness {
 /// motion over the elastic limit, the shear of a layer that bears mu times the mean pressure.
 struct HoldLoad {
   int frames = 300;
-  int press = 20;                        ///< frames before the rest: the first half presses, the other takes up the weight
-  bool by_motion = false;                ///< the object's place is given, not the force on it
-  Distribution rest;                     ///< frames before the first move
-  Distribution weight;                   ///< load at rest
-  Distribution direction;                ///< degrees, of the weight and of each move
-  Distribution moves;                    ///< number of moves
-  Distribution size;                     ///< load of a move
-  Distribution turn;                     ///< share of a move that turns the object, -1 to 1
-  Distribution move_frames, pause;       ///< frames of a move, and behind it
-  double back = 0.6;                     ///< probability that a move goes back, behind another pause
-  Distribution relax;                    ///< share of P that the grip loses in time
-  Distribution loss;                     ///< share of P that it loses as the object slides a mm
-  Distribution tilt;                     ///< how far the face rises half a pad from its axis at the limit mu P, over its depth at rest
-  Distribution tilt_direction;           ///< degrees, from the load
+  int press = 20;                   ///< frames before the rest: the first half presses, the other takes up the weight
+  bool by_motion = false;           ///< the object's place is given, not the force on it
+  Distribution rest;                ///< frames before the first move
+  Distribution weight;              ///< load at rest
+  Distribution direction;           ///< degrees, of the weight and of each move
+  Distribution moves;               ///< number of moves
+  Distribution size;                ///< load of a move
+  Distribution turn;                ///< share of a move that turns the object, -1 to 1
+  Distribution move_frames, pause;  ///< frames of a move, and behind it
+  double back = 0.6;                ///< probability that a move goes back, behind another pause
+  Distribution relax;               ///< share of P that the grip loses in time
+  Distribution loss;                ///< share of P that it loses as the object slides a mm
+  Distribution tilt;  ///< how far the face rises half a pad from its axis at the limit mu P, over its depth at rest
+  Distribution tilt_direction;  ///< degrees, from the load
 
   /// Returns a bound of the numbers that a hold draws.
   std::uint32_t most_draws() const;

@@ -71,20 +71,20 @@ IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table
   constexpr const char* some = "a number of them, 1 to 100";
   constexpr const char* share = "a share of the first press, 0 to 2";
   DrawTable in(file, table, "load.irregular");
-  IrregularLoad load{
-      .presses = in.distribution("presses", always(1), 1, 100, some),
-      .press_depth =
-          in.distribution("press_depth", always(1), smallest_share, most_share, "a share of the first press, 0.1 to 2"),
-      .press_steps = in.distribution("press_steps", always(4), 1, 100, some),
-      .strokes = in.distribution("strokes", always(1), 1, 100, some),
-      .stroke = in.distribution("stroke", always(0.2), 0, std::numeric_limits<double>::max(), "a length in mm, 0 or more"),
-      .stroke_steps = in.distribution("stroke_steps", always(6), 1, 100, some),
-      .release_to = in.distribution("release_to", always(0.5), 0, most_share, share),
-      .release_steps = in.distribution("release_steps", always(2), 1, 100, some),
-      .backward = pad ? 0 : in.probability("backward", 0),
-      .reversal = in.probability("reversal", 0),
-      .pause = in.probability("pause", 0),
-      .release = in.probability("release", 0)};
+  IrregularLoad load{.presses = in.distribution("presses", always(1), 1, 100, some),
+                     .press_depth = in.distribution("press_depth", always(1), smallest_share, most_share,
+                                                    "a share of the first press, 0.1 to 2"),
+                     .press_steps = in.distribution("press_steps", always(4), 1, 100, some),
+                     .strokes = in.distribution("strokes", always(1), 1, 100, some),
+                     .stroke = in.distribution("stroke", always(0.2), 0, std::numeric_limits<double>::max(),
+                                               "a length in mm, 0 or more"),
+                     .stroke_steps = in.distribution("stroke_steps", always(6), 1, 100, some),
+                     .release_to = in.distribution("release_to", always(0.5), 0, most_share, share),
+                     .release_steps = in.distribution("release_steps", always(2), 1, 100, some),
+                     .backward = pad ? 0 : in.probability("backward", 0),
+                     .reversal = in.probability("reversal", 0),
+                     .pause = in.probability("pause", 0),
+                     .release = in.probability("release", 0)};
   if (pad)
     load.turning = {in.distribution("direction", always(0), -360, 360, "degrees from x, -360 to 360"),
                     in.distribution("twist", always(0), -360, 360, "degrees, -360 to 360")};

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double highest = 3;  ///< rms heights by which an uneven face reaches below its mean: depths count from there
 constexpr double power = 1.5;  ///< of the force over the depth, for the hand that keeps its force
-constexpr double surrounding = 1.7;   ///< H over radius: what rubber beside a contact adds to its stiffness along the pad
-constexpr double longest_way = 0.05;  ///< H, of a frame by force
+constexpr double surrounding =
+    1.7;  ///< H over radius: what rubber beside a contact adds to its stiffness along the pad
+constexpr double longest_way = 0.05;                   ///< H, of a frame by force
 constexpr double least_force = 0.3, most_force = 1.5;  ///< left of a grip that loses its force as the object slides
 
 }  // namespace
@@ -84,8 +85,8 @@ void HeldContact::put_object(std::span<double> heights, std::span<double> cover,
   lowest_ = std::numeric_limits<double>::infinity();
   for (int i = 0; i < cells_.count(); ++i) {
     double& height = heights[static_cast<std::size_t>(i)];
-    height += highest * hold_.rms + rise_x * (cells_.x(i / cells_.n) - axis[0]) +
-              rise_y * (cells_.y(i % cells_.n) - axis[1]);
+    height +=
+        highest * hold_.rms + rise_x * (cells_.x(i / cells_.n) - axis[0]) + rise_y * (cells_.y(i % cells_.n) - axis[1]);
     lowest_ = std::min(lowest_, height);
   }
   if (!std::isfinite(lowest_)) lowest_ = 0;

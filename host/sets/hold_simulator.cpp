@@ -190,7 +190,8 @@ void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bo
 void HoldSimulator::run(Range& range, const RunOptions& options) const {
   auto& chunk = static_cast<HoldChunk&>(range);
   const auto start = std::chrono::steady_clock::now();
-  std::map<std::pair<std::size_t, int>, std::vector<Grip*>> groups;  // a launch is by wrench or by motion of all contacts
+  std::map<std::pair<std::size_t, int>, std::vector<Grip*>>
+      groups;  // a launch is by wrench or by motion of all contacts
   const std::vector<fem::PadSensor>& sensors = source_.sensors();
   for (Grip& grip : chunk.grips) {
     const auto sensor = static_cast<std::size_t>(std::ranges::find(sensors, grip.scene.sensor) - sensors.begin());
@@ -242,7 +243,7 @@ void HoldSimulator::put(ContactSet& set, std::size_t at, const Grip& grip, std::
   set.contact[at] = grip.number;
   set.step[at] = static_cast<std::uint32_t>(k);
   set.indenter[at] = grip.kind;
-  set.status[at] = static_cast<std::uint8_t>(!(kept.residual <= accepted())          ? LANE_UNSOLVED
+  set.status[at] = static_cast<std::uint8_t>(!(kept.residual <= accepted())    ? LANE_UNSOLVED
                                              : kept.touch < least * least      ? coarse_row
                                              : (kept.flags & STEP_SLIDES) != 0 ? LANE_SLIDING
                                                                                : LANE_SOLVED);

@@ -83,7 +83,8 @@ TEST(HoldLoad, DependsOnSeedAndNumberAlone) {
 TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
   const auto message = [](const std::string& text) { return thrown_message<ConfigError>([&] { pads(text); }); };
   const auto refuses = [&](const std::string& keys, const std::string& key, const std::string& allowed) {
-    EXPECT_THAT(message(head + keys), AllOf(HasSubstr("sweep.toml:"), HasSubstr("load.hold." + key), HasSubstr(allowed)));
+    EXPECT_THAT(message(head + keys),
+                AllOf(HasSubstr("sweep.toml:"), HasSubstr("load.hold." + key), HasSubstr(allowed)));
   };
   refuses("frames = 5", "frames", "20 to 1000");
   refuses("press = 400", "press", "load.hold.frames");

@@ -31,7 +31,8 @@ class HoldSet : public testing::Test {
  protected:
   PadSource source(const std::string& text) { return PadSource::read(folder_.write("sweep.toml", text)); }
   ContactSet simulate(const PadSource& of, Precision precision = Precision::fp32) {
-    return SetSimulator(executor_, of, {.precision = precision, .pad = pad_rung_named("pad-8")}).simulate(0, of.contacts());
+    return SetSimulator(executor_, of, {.precision = precision, .pad = pad_rung_named("pad-8")})
+        .simulate(0, of.contacts());
   }
   ScratchFolder folder_;
   Executor executor_{device()};
@@ -87,15 +88,16 @@ TEST_F(HoldSet, BeyondFrictionTheObjectSlides) {
   EXPECT_GT(set.slid[last], set.slid[last - 10] + 0.2);
 }
 
-/// Uneven faces that tilt, by motion and by force, below and beyond friction's limit. The kernel meets P of the pressing
-/// to 2e-3, the twin to 1e-4.
+/// Uneven faces that tilt, by motion and by force, below and beyond friction's limit. The kernel meets P of the
+/// pressing to 2e-3, the twin to 1e-4.
 TEST_F(HoldSet, AreThoseOfTheTwin) {
   for (const std::string by : {"motion", "force"}) {
-    const PadSource grips = source(sweep(4) + rubber + face + uneven +
-                                   "[contact]\nfriction = { uniform = [0.4, 1] }\n[load]\nnormal_force = { uniform = [5, "
-                                   "20] }\n[load.hold]\nframes = 24\npress = 8\nrest = 4\nmove_frames = 6\npause = 2\nby = \"" +
-                                   by + "\"\nsize = { uniform = [0.2, " + (by == "motion" ? "3" : "1.2") +
-                                   "] }\nweight = { uniform = [0.1, 0.4] }\n");
+    const PadSource grips =
+        source(sweep(4) + rubber + face + uneven +
+               "[contact]\nfriction = { uniform = [0.4, 1] }\n[load]\nnormal_force = { uniform = [5, "
+               "20] }\n[load.hold]\nframes = 24\npress = 8\nrest = 4\nmove_frames = 6\npause = 2\nby = \"" +
+               by + "\"\nsize = { uniform = [0.2, " + (by == "motion" ? "3" : "1.2") +
+               "] }\nweight = { uniform = [0.1, 0.4] }\n");
     const ContactSet set = simulate(grips, Precision::fp64);
     std::size_t row = 0;
     for (std::uint64_t c = 0; c < 4; ++c) {
@@ -137,9 +139,10 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
 TEST_F(HoldSet, FramesSumToTheForce) {
   std::string pad = rubber;
   pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
-  const ContactSet set = simulate(source(sweep(3) + pad + face + uneven +
-                                         "[contact]\nfriction = 0.6\n[load]\nnormal_force = 8\n[load.hold]\nframes = 30\n"
-                                         "press = 6\nrest = 2\nmove_frames = 12\nby = \"motion\"\nsize = 5\n"));
+  const ContactSet set =
+      simulate(source(sweep(3) + pad + face + uneven +
+                      "[contact]\nfriction = 0.6\n[load]\nnormal_force = 8\n[load.hold]\nframes = 30\n"
+                      "press = 6\nrest = 2\nmove_frames = 12\nby = \"motion\"\nsize = 5\n"));
   const double area = 0.49 * 0.49;
   const std::size_t tactels = 38 * 38;
   for (std::size_t row = 0; row < set.rows(); ++row) {
@@ -152,13 +155,14 @@ TEST_F(HoldSet, FramesSumToTheForce) {
   }
 }
 
-const std::string many = sweep(40, "sensors = 2\n") +
-                         "[sensor]\nkind = \"pad\"\nlength = 18.8\nwidth = 18.8\nyoung = 0.5\npoisson = 0.48\n"
-                         "thickness = { uniform = [3, 5] }\n" +
-                         face + uneven + "[contact]\nfriction = { uniform = [0.3, 1.5] }\n" +
-                         "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nframes = 60\n" +
-                         "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nby = \"motion\"\nframes = 50\n" +
-                         "[transducer]\nnoise_of_largest = 0.002\nshear_gain = { log_uniform = [0.3, 3] }\n";
+const std::string many =
+    sweep(40, "sensors = 2\n") +
+    "[sensor]\nkind = \"pad\"\nlength = 18.8\nwidth = 18.8\nyoung = 0.5\npoisson = 0.48\n"
+    "thickness = { uniform = [3, 5] }\n" +
+    face + uneven + "[contact]\nfriction = { uniform = [0.3, 1.5] }\n" +
+    "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nframes = 60\n" +
+    "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nby = \"motion\"\nframes = 50\n" +
+    "[transducer]\nnoise_of_largest = 0.002\nshear_gain = { log_uniform = [0.3, 3] }\n";
 
 TEST_F(HoldSet, RowsOfAGripDependOnTheGripAlone) {
   const PadSource grips = source(many);
@@ -171,14 +175,17 @@ TEST_F(HoldSet, RowsOfAGripDependOnTheGripAlone) {
 
 /// Forces, faces and friction far from any grip, on few cells: what is not solved is marked, and no number is none.
 TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
-  const std::string ends = "[contact]\nfriction = { log_uniform = [0.05, 3] }\n[[load]]\nnormal_force = { log_uniform = "
-                           "[0.02, 60] }\n[load.hold]\nframes = 60\ntilt = { uniform = [-3, 3] }\nsize = { log_uniform = "
-                           "[0.1, 30] }\nloss = { uniform = [-0.5, 1] }\n";
+  const std::string ends =
+      "[contact]\nfriction = { log_uniform = [0.05, 3] }\n[[load]]\nnormal_force = { log_uniform = "
+      "[0.02, 60] }\n[load.hold]\nframes = 60\ntilt = { uniform = [-3, 3] }\nsize = { log_uniform = "
+      "[0.1, 30] }\nloss = { uniform = [-0.5, 1] }\n";
   std::string moved = ends.substr(ends.find("[[load]]"));
   moved += "by = \"motion\"\n";
-  const std::string few = "[indenter]\nshape = \"sphere\"\nradius = { uniform = [2, 8] }\nposition = [{ uniform = [-6, 6] }, 0]\n";
+  const std::string few =
+      "[indenter]\nshape = \"sphere\"\nradius = { uniform = [2, 8] }\nposition = [{ uniform = [-6, 6] }, 0]\n";
   for (const std::string& object :
-       {std::string(face) + "unevenness = { rms = { log_uniform = [0.05, 1] }, length = { log_uniform = [2, 20] } }\n", few}) {
+       {std::string(face) + "unevenness = { rms = { log_uniform = [0.05, 1] }, length = { log_uniform = [2, 20] } }\n",
+        few}) {
     const ContactSet set = simulate(source(sweep(60) + rubber + object + ends + moved));
     ASSERT_GT(set.rows(), 60u * 30);
     std::size_t unsolved = 0;
