@@ -212,7 +212,7 @@ void HoldSimulator::run(Range& range, const RunOptions& options) const {
 }
 
 /// Whether a frame becomes a row: S is defined.
-bool is_row(const Grip& grip, std::size_t k) {
+bool becomes_row(const Grip& grip, std::size_t k) {
   return fem::slip_index(grip.scene.friction, grip.kept[k].step.force[0], grip.kept[k].S).has_value();
 }
 
@@ -278,7 +278,7 @@ ContactSet HoldSimulator::collect(Range& range) {
   if (chain_) measure(chunk.grips);
   std::size_t rows = 0;
   for (const Grip& grip : chunk.grips)
-    for (std::size_t k = first_row(grip); k < grip.kept.size(); ++k) rows += is_row(grip, k);
+    for (std::size_t k = first_row(grip); k < grip.kept.size(); ++k) rows += becomes_row(grip, k);
   each_column(set, [rows](const char*, auto& values, int columns, const char*) {
     values.resize(rows * static_cast<std::size_t>(std::max(columns, 1)));
   });
@@ -292,7 +292,7 @@ ContactSet HoldSimulator::collect(Range& range) {
     const int least = fem::least_across(options_.pad.cells, static_cast<int>(std::sqrt(widest)));
     const int outside = this->outside(grip);
     for (std::size_t k = first_row(grip); k < grip.kept.size(); ++k)
-      if (is_row(grip, k)) put(set, at++, grip, k, least, outside);
+      if (becomes_row(grip, k)) put(set, at++, grip, k, least, outside);
     const auto any = [&](int status) {
       return std::ranges::count(std::span(set.status).subspan(first, at - first), status);
     };
