@@ -81,17 +81,13 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
 /* Adds the slide of this increment, in which no cell sticks that touches. */
 static void add_slide(const Influence *influence, const Cells *c, State *s) {
   EACH_VECTOR(v) {
-    vreal sum = 0, touching = 0, sticking = 0;
+    vreal sticking = 0;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
       const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n;
-      const vreal slip_x = c->gx[i].v[v] - c->ux[i].v[v], slip_y = c->gy[i].v[v] - c->uy[i].v[v];
-      sum += PICK(n > 0, fma(slip_x, slip_x, slip_y * slip_y), ALL_LANES(0));
-      touching += PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
       sticking += PICK((n > 0) & (fma(x, x, y * y) < cone * cone), ALL_LANES(1), ALL_LANES(0));
     }
-    const vreal slide = sqrt(sum / LARGER(touching, ALL_LANES(1))) * influence->root_tt;
-    s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), slide);
+    s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), rms_slide(influence, c, v));
   }
 }
 

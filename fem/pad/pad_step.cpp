@@ -95,13 +95,23 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
   return s;
 }
 
+/// Returns how far the contact slid as a whole in the step that ends here, mm.
+double SteppedContact::end_step() {
+  const double before = contact_->slid();
+  contact_->add_slide();
+  contact_->remember();
+  return contact_->slid() - before;
+}
+
 SteppedState SteppedContact::move(double depth, const PadMotion& motion) {
   const Eigen::Vector4d change = change_to(*contact_, depth, motion);
   int sweeps = 0;
   const bool settled = solve(*contact_, depth, motion, sweeps);
-  contact_->remember();
+  const double slid = end_step();
   change_ = change;
-  return state(1, sweeps, settled);
+  SteppedState s = state(1, sweeps, settled);
+  s.slid = slid;
+  return s;
 }
 
 SteppedState SteppedContact::press(const PadWrench& wrench, double tolerance) {
@@ -147,9 +157,9 @@ SteppedState SteppedContact::press(const PadWrench& wrench, double tolerance) {
   change_ << pose[0] - contact_->depth, pose[1] - contact_->motion[0], pose[2] - contact_->motion[1],
       lever * (pose[3] - contact_->motion[2]);
   contact_ = std::move(trial);
-  contact_->remember();
+  const double slid = end_step();
   SteppedState s = state(solves, sweeps, settled);
-  s.met &= met;
+  s.met &= met, s.slid = slid;
   return s;
 }
 

@@ -21,6 +21,7 @@ struct SteppedState {
   int touching = 0;     ///< cells
   bool met = true;      ///< the wrench, and the accepted residual
   bool slides = false;  ///< every cell that touches slips, or friction does not bear the wrench
+  double slid = 0;      ///< mm: rms slide of the cells that touch in a step in which none sticks
   int solves = 0, sweeps = 0;
   PadResidual residual;
 };
@@ -50,6 +51,7 @@ class SteppedContact {
   bool solve(PadContact& contact, double depth, const PadMotion& motion, int& sweeps) const;
   PadWrench force(const PadContact& contact) const;
   SteppedState state(int solves, int sweeps, bool settled) const;
+  double end_step();
 
   PadSensor sensor_;
   PadCells cells_;

@@ -56,6 +56,11 @@ class Simulation {
 
   const host::ContactSource& source() const { return host::common(source_); }
   const std::string& plan() const { return plan_; }
+  /// Contacts that are simulated at once; of pads, which take seconds, fewer.
+  std::uint64_t chunk() const {
+    const std::uint64_t chunk = host::contacts_of_chunk(source_);
+    return std::holds_alternative<host::PadSource>(source_) ? chunk / 4 : chunk;
+  }
   /// A set without rows.
   Set empty_set() const {
     Set set;
@@ -120,7 +125,7 @@ void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64
 Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t count, const ProgressFunction& progress) {
   Set set = simulation.empty_set();
   set.contacts = count;
-  const std::uint64_t chunk = host::chunk_contacts / (set.axes == 2 ? 1 : 4);
+  const std::uint64_t chunk = simulation.chunk();
   for (std::uint64_t done = 0; done < count; done += chunk) {
     if (!progress(done, count)) throw Cancelled("sweep: cancelled by progress");
     const std::uint64_t some = std::min(chunk, count - done);

@@ -228,7 +228,7 @@ int run_generate(const GenerateRequest& request) {
   interrupt.emplace();                                               // before there is anything to keep
   const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
                   [&] { return ranks.receive(); }};
-  const std::uint64_t chunks = chunk_count(contacts);
+  const std::uint64_t chunks = chunk_count(sweep.source);
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     if (request.force) SetSpool::discard(request.output);

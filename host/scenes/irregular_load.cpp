@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/scenes/path_draws.h"
 #include "host/scenes/scene_tables.h"
-#include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {
@@ -17,77 +17,18 @@ namespace {
 constexpr double smallest_share = 0.1;  ///< of a step, over the largest possible one
 constexpr double most_share = 2;        ///< of a later press or a partial release, over the first press
 
-/// Reads the keys of [load.irregular]; each is a number or a distribution with bounded ends.
-class IrregularReader {
- public:
-  IrregularReader(const TomlFile& file, const toml::table& table) : file_(file), table_(table) {}
-
-  Distribution distribution(const char* key, double otherwise, double least, double most, const char* allowed) {
-    known_.emplace_back(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return ChoiceDraw{{otherwise}, {1}};
-    const std::string full = std::string("load.irregular.") + key;
-    Distribution read = ChoiceDraw{{0}, {1}};
-    if (const auto value = toml_number(*node))
-      read = ChoiceDraw{{*value}, {1}};
-    else if (auto drawn = read_distribution(file_, full, *node))
-      read = *drawn;
-    else
-      throw file_.error(full, node, std::string(allowed) + ", or a distribution of it");
-    const auto [low, high] = ends(read);
-    if (!(low >= least && high <= most)) throw file_.error(full, node, allowed);
-    return read;
-  }
-  double probability(const char* key) {
-    known_.emplace_back(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return 0;
-    const auto value = toml_number(*node);
-    if (!value || !(*value >= 0 && *value <= 1))
-      throw file_.error(std::string("load.irregular.") + key, node, "a probability, 0 to 1");
-    return *value;
-  }
-  void finish() const {
-    for (const auto& [key, node] : table_)
-      if (std::ranges::find(known_, key.str()) == known_.end())
-        throw file_.error("load.irregular." + std::string(key.str()), &node,
-                          "one of " + listed(known_) + did_you_mean(key.str(), known_));
-  }
-
- private:
-  const TomlFile& file_;
-  const toml::table& table_;
-  std::vector<std::string> known_;
-};
-
 double rounded_most(const Distribution& count) { return std::round(ends(count).second); }
 
-/// The numbers of one contact, drawn one after the other.
-class PathDraws {
- public:
-  explicit PathDraws(const DrawKey& key) : key_(key) { key_.stream = nn::RandomStream::path, key_.draw = 0; }
-
-  double number(const Distribution& from) {
-    const double drawn = draw(from, key_);
-    ++key_.draw;
-    return drawn;
-  }
-  int count(const Distribution& from) { return static_cast<int>(std::lround(number(from))); }
-  bool happens(double probability) { return number(UniformDraw{}) < probability; }
-  /// Returns `steps` increasing shares; the last is 1.
-  std::vector<double> shares(int steps) {
-    std::vector<double> sums;
-    sums.reserve(static_cast<std::size_t>(steps));
-    double sum = 0;
-    for (int i = 0; i < steps; ++i) sums.push_back(sum += number(UniformDraw{smallest_share, 1}));
-    for (double& share : sums) share /= sum;
-    sums.back() = 1;
-    return sums;
-  }
-
- private:
-  DrawKey key_;
-};
+/// Returns `steps` increasing shares; the last is 1.
+std::vector<double> shares(PathDraws& draws, int steps) {
+  std::vector<double> sums;
+  sums.reserve(static_cast<std::size_t>(steps));
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) sums.push_back(sum += draws.number(UniformDraw{smallest_share, 1}));
+  for (double& share : sums) share /= sum;
+  sums.back() = 1;
+  return sums;
+}
 
 /// Where a stroke goes: a unit vector, and its twist, rad.
 struct Stroke {
@@ -129,24 +70,24 @@ std::uint32_t IrregularLoad::most_draws() const {
 IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table, bool pad) {
   constexpr const char* some = "a number of them, 1 to 100";
   constexpr const char* share = "a share of the first press, 0 to 2";
-  IrregularReader in(file, table);
-  IrregularLoad load{
-      .presses = in.distribution("presses", 1, 1, 100, some),
-      .press_depth =
-          in.distribution("press_depth", 1, smallest_share, most_share, "a share of the first press, 0.1 to 2"),
-      .press_steps = in.distribution("press_steps", 4, 1, 100, some),
-      .strokes = in.distribution("strokes", 1, 1, 100, some),
-      .stroke = in.distribution("stroke", 0.2, 0, std::numeric_limits<double>::max(), "a length in mm, 0 or more"),
-      .stroke_steps = in.distribution("stroke_steps", 6, 1, 100, some),
-      .release_to = in.distribution("release_to", 0.5, 0, most_share, share),
-      .release_steps = in.distribution("release_steps", 2, 1, 100, some),
-      .backward = pad ? 0 : in.probability("backward"),
-      .reversal = in.probability("reversal"),
-      .pause = in.probability("pause"),
-      .release = in.probability("release")};
+  DrawTable in(file, table, "load.irregular");
+  IrregularLoad load{.presses = in.distribution("presses", always(1), 1, 100, some),
+                     .press_depth = in.distribution("press_depth", always(1), smallest_share, most_share,
+                                                    "a share of the first press, 0.1 to 2"),
+                     .press_steps = in.distribution("press_steps", always(4), 1, 100, some),
+                     .strokes = in.distribution("strokes", always(1), 1, 100, some),
+                     .stroke = in.distribution("stroke", always(0.2), 0, std::numeric_limits<double>::max(),
+                                               "a length in mm, 0 or more"),
+                     .stroke_steps = in.distribution("stroke_steps", always(6), 1, 100, some),
+                     .release_to = in.distribution("release_to", always(0.5), 0, most_share, share),
+                     .release_steps = in.distribution("release_steps", always(2), 1, 100, some),
+                     .backward = pad ? 0 : in.probability("backward", 0),
+                     .reversal = in.probability("reversal", 0),
+                     .pause = in.probability("pause", 0),
+                     .release = in.probability("release", 0)};
   if (pad)
-    load.turning = {in.distribution("direction", 0, -360, 360, "degrees from x, -360 to 360"),
-                    in.distribution("twist", 0, -360, 360, "degrees, -360 to 360")};
+    load.turning = {in.distribution("direction", always(0), -360, 360, "degrees from x, -360 to 360"),
+                    in.distribution("twist", always(0), -360, 360, "degrees, -360 to 360")};
   in.finish();
   if (const double most = load.most_twist(); most > 360)
     throw file.error("load.irregular.twist", table.get("twist"),
@@ -166,7 +107,7 @@ void draw_irregular_load(const IrregularLoad& irregular, const DrawKey& key, Loa
   fem::PadTarget at;  // of a line x alone
   const auto go = [&](const fem::PadTarget& to, int steps, double pause) {
     const fem::PadTarget from = at;
-    for (const double share : draws.shares(steps)) {
+    for (const double share : shares(draws, steps)) {
       at = {std::lerp(from.normal, to.normal, share), std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share),
             std::lerp(from.twist, to.twist, share)};
       put(load.moves, at);
@@ -180,7 +121,7 @@ void draw_irregular_load(const IrregularLoad& irregular, const DrawKey& key, Loa
     const int press_steps = draws.count(irregular.press_steps);
     if (press == 0) {
       first.clear();
-      for (const double share : draws.shares(press_steps)) first.push_back(nominal * share);
+      for (const double share : shares(draws, press_steps)) first.push_back(nominal * share);
       at.normal = nominal;
     } else {
       press_to(depth, press_steps);

@@ -155,6 +155,7 @@ void SourceOf<Scene>::lay_out_quantiles(std::size_t draws) {
       }
       if (alternative.slip_index) take(*alternative.slip_index);
       if (alternative.irregular) alternative.path = append(alternative.irregular->most_draws());
+      if (alternative.hold) alternative.path = append(alternative.hold->most_draws());
     }
 }
 
@@ -176,10 +177,16 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::contact(std::uint64_t k) cons
 }
 
 template <class Scene>
-typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k) const {
-  if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
+DrawKey SourceOf<Scene>::key_of(std::uint64_t k) const {
   DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = k};
   if (!quantiles_.empty()) key.quantiles = &quantiles_[k * numbers_.size()];
+  return key;
+}
+
+template <class Scene>
+typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k) const {
+  if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
+  DrawKey key = key_of(k);
   const Alternative& indenter = draw_alternative(indenter_, key);
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;
@@ -209,6 +216,14 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
                      error.allowed + " (drawn for contact " + std::to_string(k) + " of the sweep)");
   }
   return drawn;
+}
+
+template <class Scene>
+Hold SourceOf<Scene>::hold(std::uint64_t k) const {
+  DrawKey key = key_of(k);
+  const Alternative &indenter = draw_alternative(indenter_, key), &load = draw_alternative(load_, key);
+  if (key.quantiles) key.quantiles += load.path;
+  return draw_hold(load.hold.value(), indenter.unevenness, key);
 }
 
 template class SourceOf<fem::Scene>;

@@ -15,6 +15,7 @@
 #include "host/scenes/contact_parameters.h"
 #include "host/scenes/distributed_keys.h"
 #include "host/scenes/distribution.h"
+#include "host/scenes/hold_load.h"
 #include "host/scenes/irregular_load.h"
 #include "host/scenes/ladder.h"
 #include "nn/transducer_chain.h"
@@ -112,6 +113,10 @@ class SourceOf : public ContactSource {
   std::vector<float> tactel_x() const;
   std::vector<float> tactel_y() const;  ///< of pads
   const std::optional<OwnSensors>& own_sensors() const { return own_sensors_; }
+  /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
+  bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }
+  /// Returns how contact k of such a source is gripped, at the force of its scene's load.
+  Hold hold(std::uint64_t k) const;
 
   /// A number to draw and its place. `number` distinguishes the draws of a contact.
   struct NumberDraw {
@@ -135,7 +140,9 @@ class SourceOf : public ContactSource {
     std::optional<RandomProfile> profile;  ///< of lines, and the next
     std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is chosen to give this S
     std::optional<IrregularLoad> irregular;
-    std::uint32_t path = 0;  ///< the first of its quantiles
+    std::optional<HoldLoad> hold;          ///< of pads, and the next
+    std::optional<Unevenness> unevenness;  ///< of the face that a hold presses
+    std::uint32_t path = 0;                ///< the first of the path's or the hold's quantiles
   };
   /// All tables of a name, with their weights.
   struct Part {
@@ -148,6 +155,7 @@ class SourceOf : public ContactSource {
   friend class SweepReaderOf<Scene>;
   SourceOf() = default;
 
+  DrawKey key_of(std::uint64_t k) const;
   Contact drawn_contact(std::uint64_t k) const;
   void lay_out_quantiles(std::size_t draws);
 

@@ -36,7 +36,8 @@ constexpr bool of_lines = SourceOf<Scene>::of_lines;
 template <class Scene>
 bool own_key(const string& table, std::string_view key) {
   if (key == "weight" || (table == "load" && key == "irregular")) return true;
-  return of_lines<Scene> && ((table == "load" && key == "slip_index") || (table == "indenter" && key == "points"));
+  if (!of_lines<Scene>) return (table == "load" && key == "hold") || (table == "indenter" && key == "unevenness");
+  return (table == "load" && key == "slip_index") || (table == "indenter" && key == "points");
 }
 
 /// A random profile is read as some profile; its half_width and height belong to the sweep.
@@ -290,21 +291,57 @@ typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(con
   }
   if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
     take_irregular(table, *node, made);
+  if constexpr (!of_lines<Scene>) {
+    if (const toml::node* node = table.get("hold"); name == "load" && node != nullptr) take_hold(table, *node, made);
+    if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
+      made.unevenness = read_unevenness(file_, *node);
+  }
   return made;
 }
 
 template <class Scene>
-void SweepReaderOf<Scene>::take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const {
-  const toml::table* table = node.as_table();
-  if (table == nullptr) throw file_.error("load.irregular", &node, "a table: [load.irregular]");
+const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, const toml::node& node,
+                                                       const string& name) const {
   for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
                           "slip_index", "indentation_steps"})
     if (const toml::node* other = load.get(key))
-      throw file_.error(std::string("load.") + key, other, "left out, because load.irregular is given too");
+      throw file_.error(string("load.") + key, other, "left out, because " + name + " is given too");
+  if (const toml::table* table = node.as_table()) return *table;
+  throw file_.error(name, &node, "a table: [" + name + "]");
+}
+
+template <class Scene>
+void SweepReaderOf<Scene>::take_hold(const toml::table& load, const toml::node& node, Alternative& into) const {
+  const toml::table& table = table_of_path(load, node, "load.hold");
+  if (const toml::node* other = load.get("irregular"))
+    throw file_.error("load.irregular", other, "left out, because load.hold is given too");
+  if (into.scene.load.normal_force.size() != 1)
+    throw file_.error("load.hold", &node, "given with one normal_force, in N");
+  into.hold = read_hold_load(file_, table);
+}
+
+/// Grips in all loads or in none, on sensors that they share, and uneven faces with them alone.
+template <class Scene>
+void SweepReaderOf<Scene>::check_holds(const Source& source) const {
+  const auto of_hold = [](const Alternative& load) { return load.hold.has_value(); };
+  const bool any = std::ranges::any_of(source.load_.alternatives, of_hold);
+  if (any && !std::ranges::all_of(source.load_.alternatives, of_hold))
+    throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
+  if (any && source.own_sensors())
+    throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
+  const auto all = tables("indenter");
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!any && source.indenter_.alternatives[i].unevenness)
+      throw file_.error("indenter.unevenness", all[i]->get("unevenness"), "left out, or given with [load.hold]");
+}
+
+template <class Scene>
+void SweepReaderOf<Scene>::take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const {
+  const toml::table& table = table_of_path(load, node, "load.irregular");
   const auto& base = into.scene.load;
   if (const auto& targets = base.normal_force.empty() ? base.indentation : base.normal_force; targets.size() != 1)
     throw file_.error("load.irregular", &node, "given with one indentation or normal_force");
-  into.irregular = read_irregular_load(file_, *table, !of_lines<Scene>);
+  into.irregular = read_irregular_load(file_, table, !of_lines<Scene>);
 }
 
 template <class Scene>
@@ -455,6 +492,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");
   source.load_ = part("load");
+  check_holds(source);
   source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;

@@ -48,7 +48,10 @@ class SweepReaderOf {
   void check_ends(const Alternative& alternative, const std::vector<Found>& found) const;
   void take_random_profile(const toml::table& table, Alternative& into);
   void take_slip_index(const toml::table& load, Alternative& into);
+  const toml::table& table_of_path(const toml::table& load, const toml::node& node, const std::string& name) const;
   void take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const;
+  void take_hold(const toml::table& load, const toml::node& node, Alternative& into) const;
+  void check_holds(const Source& source) const;
   NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
   void read_sensors(Source& source, int count);
   bool draws_own_sensors(const Part& part) const;

@@ -31,12 +31,13 @@ class Production {
   }
 
   const AnySource& source() const { return source_; }
+  std::uint64_t chunk() const { return contacts_of_chunk(source_); }
   std::optional<std::uint64_t> next() {
     const std::size_t i = next_++;
     return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
   }
   std::uint64_t contacts_of(std::uint64_t number) const {
-    return std::min(chunk_contacts, common(source_).contacts() - number * chunk_contacts);
+    return std::min(chunk(), common(source_).contacts() - number * chunk());
   }
   std::atomic<std::size_t>* answered() { return &answered_; }
   void add(std::uint64_t number, SetSimulator::Range& range, ContactSet rows) {
@@ -138,7 +139,7 @@ class Line {
     const StopScope::Asked asked = [this] { return production_.stopped(); };
     const StopScope scope(&asked);
     while (const auto number = production_.next()) {
-      const auto range = simulator_.prepare(*number * chunk_contacts, production_.contacts_of(*number));
+      const auto range = simulator_.prepare(*number * production_.chunk(), production_.contacts_of(*number));
       range->answered = production_.answered();
       if (production_.stopped()) return;
       simulator_.run(*range);
@@ -165,8 +166,9 @@ void keep_memory_of_chunks() {
 
 }  // namespace
 
-std::uint64_t chunk_count(const ContactSource& source) {
-  return (source.contacts() + chunk_contacts - 1) / chunk_contacts;
+std::uint64_t chunk_count(const AnySource& source) {
+  const std::uint64_t chunk = contacts_of_chunk(source);
+  return (common(source).contacts() + chunk - 1) / chunk;
 }
 
 double expected_bytes(const AnySource& any, const SetColumns& columns) {
@@ -184,8 +186,15 @@ double expected_bytes(const AnySource& any, const SetColumns& columns) {
       const auto pressed = static_cast<std::size_t>(path.indentation_steps);
       add_rows(path.until_sliding ? pressed : path.steps.size(), pressed);
     } else {
-      const fem::PadScene scene = std::get<PadSource>(any).contact(k * apart).scene;
-      if (scene.friction > 0) add_rows(fem::pad_targets(scene.load).size(), fem::pressing_targets(scene.load));
+      const auto& pads = std::get<PadSource>(any);
+      const fem::PadScene scene = pads.contact(k * apart).scene;
+      if (scene.friction == 0) continue;
+      if (!pads.holds()) {
+        add_rows(fem::pad_targets(scene.load).size(), fem::pressing_targets(scene.load));
+        continue;
+      }
+      const Hold hold = pads.hold(k * apart);
+      add_rows(hold.frames.size(), static_cast<std::size_t>(hold.pressing()));
     }
   }
   const std::size_t numbers = columns.has("parameters") ? columns.parameters.size() : 0;

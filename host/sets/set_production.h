@@ -10,9 +10,13 @@
 
 namespace tactel::host {
 
-/// Contacts of a chunk, the unit of simulation, checksum and storage.
-inline constexpr std::uint64_t chunk_contacts = 8192;
-std::uint64_t chunk_count(const ContactSource& source);
+/// Contacts of a chunk, the unit of simulation, checksum and storage; of grips, which have hundreds of rows, fewer.
+inline constexpr std::uint64_t chunk_contacts = 8192, chunk_grips = 512;
+inline std::uint64_t contacts_of_chunk(const AnySource& source) {
+  const auto* pads = std::get_if<PadSource>(&source);
+  return pads != nullptr && pads->holds() ? chunk_grips : chunk_contacts;
+}
+std::uint64_t chunk_count(const AnySource& source);
 
 /// Returns the bytes of a set, but for its headers. Rows are counted on some of its contacts; a drag until sliding
 /// counts as one row, which is the least.

@@ -59,7 +59,7 @@ SetRecipe recipe_of(const Sweep& sweep, const std::optional<Rung>& rung, const S
                   std::holds_alternative<PadSource>(sweep.source) ? options.pad.name
                   : rung                                          ? rung->name
                                                                   : "as the file says",
-                  name(options.precision), tolerance, chunk_contacts);
+                  name(options.precision), tolerance, contacts_of_chunk(sweep.source));
   if (!columns.empty()) conditions += "columns " + columns + "\n";
   if (compress) conditions += "compress yes\n";
   int number = 0;

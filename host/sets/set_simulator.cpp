@@ -14,6 +14,7 @@
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
 #include "host/contact/sensor_tables.h"
+#include "host/sets/hold_simulator.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
@@ -409,14 +410,6 @@ PadModel model_for(Executor&, const PadSource& source, const SetOptions& options
 
 }  // namespace
 
-/// The simulator of one kind of contact.
-struct SetSimulator::State {
-  virtual ~State() = default;
-  virtual std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const = 0;
-  virtual void run(Range& range, const RunOptions& options) const = 0;
-  virtual ContactSet collect(Range& range) = 0;
-};
-
 namespace {
 
 template <class Contacts>
@@ -654,7 +647,8 @@ SetColumns columns_of(const AnySource& source) {
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
     : state_(std::make_unique<Simulator<LineContacts>>(executor, source, options)) {}
 SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options)
-    : state_(std::make_unique<Simulator<PadContacts>>(executor, source, options)) {}
+    : state_(source.holds() ? hold_simulator(executor, source, options)
+                            : std::make_unique<Simulator<PadContacts>>(executor, source, options)) {}
 SetSimulator::SetSimulator(Executor& executor, const AnySource& source, const SetOptions& options)
     : SetSimulator(std::visit([&](const auto& kind) { return SetSimulator(executor, kind, options); }, source)) {}
 

@@ -67,4 +67,12 @@ class SetSimulator::Range {
   StageSeconds seconds{};
 };
 
+/// The simulator of one kind of contact.
+struct SetSimulator::State {
+  virtual ~State() = default;
+  virtual std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const = 0;
+  virtual void run(Range& range, const RunOptions& options) const = 0;
+  virtual ContactSet collect(Range& range) = 0;
+};
+
 }  // namespace tactel::host

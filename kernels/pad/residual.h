@@ -48,6 +48,18 @@ OUTLINE void residual_of_cells(const Influence *influence, const Cells *c, const
   }
 }
 
+/* The rms slide in this increment of the cells that touch, over H. */
+static inline vreal rms_slide(const Influence *influence, const Cells *c, int v) {
+  vreal sum = 0, touching = 0;
+  for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    const vreal slip_x = c->gx[i].v[v] - c->ux[i].v[v], slip_y = c->gy[i].v[v] - c->uy[i].v[v];
+    sum += PICK(c->n[i].v[v] > 0, fma(slip_x, slip_x, slip_y * slip_y), ALL_LANES(0));
+    touching += PICK(c->n[i].v[v] > 0, ALL_LANES(1), ALL_LANES(0));
+  }
+  return sqrt(sum / LARGER(touching, ALL_LANES(1))) * influence->root_tt;
+}
+
 /* Lanes that have settled, but whose residual is not accepted yet, go on with a finer tolerance. */
 OUTLINE void refine(const Influence *influence, const Masks *solving, real accept, const Cells *c, State *s) {
   Residual r;

@@ -54,6 +54,7 @@ enum PadStepResultRow {
   STEP_RESULT_SOLVES, /* poses that were solved */
   STEP_RESULT_SWEEPS,
   STEP_RESULT_RESIDUAL, /* largest, as fem/pad/pad_contact.h */
+  STEP_RESULT_SLID,     /* mm: rms slide in this step of the cells that touch */
   STEP_RESULT_ROWS
 };
 enum PadStepFlag {

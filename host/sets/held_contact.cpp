@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/sets/held_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fem/angles.h"
+#include "fem/pad/pad_surface.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double highest = 3;  ///< rms heights by which an uneven face reaches below its mean: depths count from there
+constexpr double power = 1.5;  ///< of the force over the depth, for the hand that keeps its force
+constexpr double surrounding =
+    1.7;  ///< H over radius: what rubber beside a contact adds to its stiffness along the pad
+constexpr double longest_way = 0.05;                   ///< H, of a frame by force
+constexpr double least_force = 0.3, most_force = 1.5;  ///< left of a grip that loses its force as the object slides
+
+}  // namespace
+
+HeldContact::HeldContact(const fem::PadScene& scene, const Hold& hold, const fem::PadCells& cells)
+    : sensor_(scene.sensor),
+      indenter_(scene.indenter),
+      friction_(scene.friction),
+      preload_(scene.load.normal_force.back()),
+      hold_(hold),
+      cells_(cells),
+      pressing_(static_cast<std::size_t>(hold.pressing())) {}
+
+/// The shear of the layer that bears mu times the mean pressure, mm.
+double HeldContact::limit(const HeldStep& step) const {
+  if (!(step.area > 0)) return 0;
+  return friction_ * step.force[0] / step.area * sensor_.thickness * 2 * (1 + sensor_.poisson) / sensor_.young;
+}
+
+double HeldContact::force(std::size_t k) const {
+  return preload_ * hold_.frames[k].P * std::clamp(1 - hold_.loss * way_, least_force, most_force);
+}
+
+/// x, y (mm) and turn (rad) of a frame.
+std::array<double, 3> HeldContact::way_by_force(std::size_t k) const {
+  const double most = friction_ * preload_, radius = std::sqrt(last_.area / std::numbers::pi);
+  if (!(radius > 0 && arm_ > 0)) return {};
+  const double G = sensor_.young / (2 * (1 + sensor_.poisson)),
+               stiffness = G * last_.area / sensor_.thickness * (1 + surrounding * sensor_.thickness / radius);
+  const auto& [x, y, turn] = hold_.frames[k].load;
+  std::array<double, 3> way{(most * x - last_.force[1]) / stiffness, (most * y - last_.force[2]) / stiffness,
+                            (most * arm_ * turn - last_.force[3]) / (stiffness * arm_)};  // the turn times the arm
+  const double length = std::hypot(way[0], way[1], way[2]), longest = longest_way * sensor_.thickness;
+  for (double& part : way) part *= length > longest ? longest / length : 1;
+  way[2] /= arm_;
+  return way;
+}
+
+std::array<double, 4> HeldContact::pose(std::size_t k) const {
+  const double P = last_.force[0], over = std::max(from_lowest(), 0.01 * sensor_.thickness);
+  const double deeper = std::pow(P > 0 ? std::clamp(force(k) / P, 0.5, 2.0) : 2.0, 1 / power);
+  std::array<double, 4> to = last_.pose;
+  to[0] = lowest_ + over * deeper;
+  if (hold_.by_motion) {
+    const auto& [x, y, turn] = hold_.frames[k].load;
+    to[1] = pressed_.pose[1] + unit_ * x, to[2] = pressed_.pose[2] + unit_ * y;
+    to[3] = pressed_.pose[3] + (arm_ > 0 ? unit_ * turn / arm_ : 0);
+  } else {
+    const std::array<double, 3> way = way_by_force(k);
+    for (std::size_t i = 0; i < 3; ++i) to[i + 1] += way[i];
+  }
+  return to;
+}
+
+void HeldContact::put_object(std::span<double> heights, std::span<double> cover, std::array<double, 2>& axis) {
+  axis = {indenter_.position[0] + place_[0], indenter_.position[1] + place_[1]};
+  const fem::PadSurface surface = fem::pad_surface(cells_, indenter_, axis, fem::degrees(place_[2]));
+  std::ranges::copy(surface.height, heights.begin());
+  std::ranges::copy(surface.cover, cover.begin());
+  if (hold_.rms > 0) hold_.face.add(cells_, axis, fem::radians(indenter_.yaw) + place_[2], heights);
+  const double most = friction_ * last_.force[0];
+  const double slope = most > 0 ? hold_.tilt * pressed_depth_ / (cells_.half_size() * most) : 0;
+  const double along = slope * std::cos(hold_.tilt_direction), across = slope * std::sin(hold_.tilt_direction);
+  const double rise_x = along * last_.force[1] - across * last_.force[2],
+               rise_y = across * last_.force[1] + along * last_.force[2];
+  lowest_ = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < cells_.count(); ++i) {
+    double& height = heights[static_cast<std::size_t>(i)];
+    height +=
+        highest * hold_.rms + rise_x * (cells_.x(i / cells_.n) - axis[0]) + rise_y * (cells_.y(i % cells_.n) - axis[1]);
+    lowest_ = std::min(lowest_, height);
+  }
+  if (!std::isfinite(lowest_)) lowest_ = 0;
+}
+
+std::array<double, 4> HeldContact::ask(std::size_t k, std::span<double> heights, std::span<double> cover,
+                                       std::array<double, 2>& axis) {
+  const std::array<double, 4> to = by_wrench(k) ? std::array{force(k), 0.0, 0.0, 0.0} : pose(k);
+  for (std::size_t i = 0; i < 3; ++i) place_[i] = by_wrench(k) ? last_.pose[i + 1] : to[i + 1];
+  put_object(heights, cover, axis);
+  return to;
+}
+
+void HeldContact::take(std::size_t k, const HeldStep& step) {
+  const double own = limit(step);
+  if (own > 0) over_limit_ += step.slid / own;
+  way_ += step.slid;
+  last_ = step;
+  if (k + 1 != pressing_) return;
+  pressed_ = step;
+  pressed_depth_ = from_lowest();
+  arm_ = std::sqrt(step.area / 6);
+  unit_ = own;
+  for (const Hold::Frame& frame : hold_.frames) {
+    const auto& [x, y, turn] = frame.load;
+    const double way = std::sqrt(x * x + y * y + turn * turn);
+    if (way * unit_ > sensor_.thickness) unit_ = sensor_.thickness / way;
+  }
+}
+
+}  // namespace tactel::host

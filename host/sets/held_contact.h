@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <span>
+
+#include "fem/pad/pad_cells.h"
+#include "host/scenes/scene_source.h"
+
+namespace tactel::host {
+
+/// What a step of a contact said, in the frame of the pad.
+struct HeldStep {
+  std::array<double, 4> force{};  ///< P, Qx, Qy (N), M (N mm) about the object's axis
+  std::array<double, 4> pose{};   ///< depth, x, y (mm), twist (rad)
+  double area = 0;                ///< mm^2 of the cells that touch
+  double slid = 0;                ///< mm: slide in this step of the contact as a whole; 0 where a cell sticks
+};
+
+/// A grip on its way: what its next step asks for, from what the last one said. It is pressed by wrench, then stepped
+/// by motion. The hand keeps its force a step behind, by the depth. By force the object moves in each frame by what the
+/// pad lacks of its load over a sticking stiffness: it comes to rest where friction bears the load, else it slides. Its
+/// face moves with its place, and tilts with the last step's shear force.
+class HeldContact {
+ public:
+  HeldContact(const fem::PadScene& scene, const Hold& hold, const fem::PadCells& cells);
+
+  /// Whether frame k is stepped by wrench, not by motion.
+  bool by_wrench(std::size_t k) const { return k < pressing_; }
+  /// Puts the object over the cells for frame k: heights and cover [cells], its axis; returns the wrench, or the pose,
+  /// of the frame.
+  std::array<double, 4> ask(std::size_t k, std::span<double> heights, std::span<double> cover,
+                            std::array<double, 2>& axis);
+  void take(std::size_t k, const HeldStep& step);
+
+  /// How far the contact has slid as a whole over its elastic limit.
+  double over_limit() const { return over_limit_; }
+
+ private:
+  void put_object(std::span<double> heights, std::span<double> cover, std::array<double, 2>& axis);
+  std::array<double, 4> pose(std::size_t k) const;
+  std::array<double, 3> way_by_force(std::size_t k) const;
+  double limit(const HeldStep& step) const;
+  double force(std::size_t k) const;
+  double from_lowest() const { return last_.pose[0] - lowest_; }
+
+  fem::PadSensor sensor_;
+  fem::PadIndenter indenter_;
+  double friction_, preload_;
+  Hold hold_;
+  fem::PadCells cells_;
+  std::size_t pressing_;  ///< frames
+  std::array<double, 3> place_{};
+  HeldStep last_, pressed_;    ///< of the last step, and of the last of the pressing
+  double lowest_ = 0;          ///< mm: of the object over the cells
+  double pressed_depth_ = 0;   ///< mm from there
+  double unit_ = 0, arm_ = 0;  ///< mm: elastic limit, at most so far that the way stays within H; arm of the turn
+  double way_ = 0, over_limit_ = 0;
+};
+
+}  // namespace tactel::host

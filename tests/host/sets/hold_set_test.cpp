@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Sets of grips that hold an object: their rows are those of the stepper, and depend on the grip alone.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_step.h"
+#include "fem/pad/pad_surface.h"
+#include "host/contact/pad_step.h"
+#include "host/sets/held_contact.h"
+#include "host/sets/set_simulator.h"
+#include "kernels/shared/pad_step_layout.h"
+#include "tests/host/device/test_device.h"
+#include "tests/host/sets/same_bytes.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr const char* rubber =
+    "[sensor]\nkind = \"pad\"\ntactels = [4, 4]\npitch = 4.7\nlength = 18.8\nwidth = 18.8\nsides = \"free\"\n"
+    "thickness = 4\nyoung = 0.5\npoisson = 0.48\n";
+constexpr const char* face = "[indenter]\nshape = \"box\"\nhalf_widths = [15, 15]\n";
+constexpr const char* uneven = "unevenness = { rms = 0.02, length = { uniform = [3, 8] } }\n";
+
+class HoldSet : public testing::Test {
+ protected:
+  PadSource source(const std::string& text) { return PadSource::read(folder_.write("sweep.toml", text)); }
+  ContactSet simulate(const PadSource& of, Precision precision = Precision::fp32) {
+    return SetSimulator(executor_, of, {.precision = precision, .pad = pad_rung_named("pad-8")})
+        .simulate(0, of.contacts());
+  }
+  ScratchFolder folder_;
+  Executor executor_{device()};
+};
+
+std::string sweep(int contacts, const std::string& more = "") {
+  return "[sweep]\ncontacts = " + std::to_string(contacts) + "\nseed = 5\n" + more;
+}
+
+/// P in 4 frames, the weight in 4 more, a move of 4 behind 5 of rest.
+TEST_F(HoldSet, RowsAreThoseOfTheStepperDrivenWithTheSameMotions) {
+  const PadSource grips = source(
+      sweep(3, "press_rows = true\n") + rubber + face +
+      "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nframes = 40\npress = 8\nweight = 0.25\n"
+      "direction = 90\nrest = 5\nmoves = 1\nsize = 0.5\nturn = 0\nmove_frames = 4\npause = 0\nback = 0\nrelax = 0\n"
+      "loss = 0\ntilt = 0\n");
+  const ContactSet set = simulate(grips);
+  ASSERT_EQ(set.rows(), 3u * 40);
+  PadStepper<float> steps(executor_, grips.sensors().front(), 1, std::array{0.5}, {.cells = 8, .cell = 18.8 / 8});
+  steps.set_heights(std::span<const double>(std::vector<double>(64, 0.0)));
+  for (std::size_t k = 0; k < 40; ++k) {
+    SCOPED_TRACE(k);
+    if (k < 4)
+      steps.press(std::array{1.5 * static_cast<double>(k + 1), 0.0, 0.0, 0.0});
+    else
+      steps.move(std::array<double, 4>{set.indentation[k], set.tangential[2 * k], set.tangential[2 * k + 1],
+                                       set.twist[k] * std::numbers::pi / 180});
+    const auto number = [&](int of) { return steps.results()[static_cast<std::size_t>(of)]; };
+    for (const std::size_t row : {k, k + 40, k + 80}) {
+      EXPECT_EQ(set.step[row], k);
+      EXPECT_NEAR(set.normal_force[row], number(STEP_RESULT_P), 1e-4);  // poses of fp32; sweeps settle to 1e-3
+      EXPECT_NEAR(set.tangential_force[2 * row + 1], number(STEP_RESULT_QY), 1e-4);
+      EXPECT_NEAR(set.tangential_force[2 * row], number(STEP_RESULT_QX), 1e-4);
+      EXPECT_NEAR(set.slip_index[row], number(STEP_RESULT_S), 1e-4);
+      for (std::size_t i = 0; i < 48; ++i) EXPECT_NEAR(set.frames[48 * row + i], steps.frames()[i], 1e-6);
+    }
+  }
+  EXPECT_NEAR(set.tangential_force[2 * 11 + 1] / 3, 0.25, 0.02);
+  EXPECT_NEAR(set.tangential_force[2 * 39 + 1] / 3, 0.75, 0.003);
+  for (const std::size_t k : {3, 12, 39}) EXPECT_NEAR(set.normal_force[k], 6, 0.03);
+  EXPECT_EQ(set.slid[39], 0);
+}
+
+/// A load of 1.2 mu P slides: the force stays at friction's limit, and the object goes on.
+TEST_F(HoldSet, BeyondFrictionTheObjectSlides) {
+  const ContactSet set = simulate(source(
+      sweep(1) + rubber + face +
+      "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nframes = 60\nweight = 0.4\ndirection = 0\n"
+      "rest = 0\nmoves = 1\nsize = 0.8\nturn = 0\nmove_frames = 4\npause = 0\nback = 0\nrelax = 0\nloss = 0\n"));
+  const std::size_t last = set.rows() - 1;
+  EXPECT_NEAR(set.force_ratio[last], 1, 0.005);
+  EXPECT_EQ(set.status[last], 1);
+  EXPECT_GT(set.slid[last], set.slid[last - 10] + 0.2);
+}
+
+/// Uneven faces that tilt, by motion and by force, below and beyond friction's limit. The kernel meets P of the
+/// pressing to 2e-3, the twin to 1e-4.
+TEST_F(HoldSet, AreThoseOfTheTwin) {
+  for (const std::string by : {"motion", "force"}) {
+    const PadSource grips =
+        source(sweep(4) + rubber + face + uneven +
+               "[contact]\nfriction = { uniform = [0.4, 1] }\n[load]\nnormal_force = { uniform = [5, "
+               "20] }\n[load.hold]\nframes = 24\npress = 8\nrest = 4\nmove_frames = 6\npause = 2\nby = \"" +
+               by + "\"\nsize = { uniform = [0.2, " + (by == "motion" ? "3" : "1.2") +
+               "] }\nweight = { uniform = [0.1, 0.4] }\n");
+    const ContactSet set = simulate(grips, Precision::fp64);
+    std::size_t row = 0;
+    for (std::uint64_t c = 0; c < 4; ++c) {
+      const fem::PadScene scene = grips.contact(c).scene;
+      const fem::PadCells cells = fem::fixed_cells(8, 18.8 / 8);
+      const Hold hold = grips.hold(c);
+      HeldContact held(scene, hold, cells);
+      fem::SteppedContact twin(fem::pad_layer(0.48), scene.sensor, cells, scene.friction,
+                               {.cells = 8, .tolerance = 1e-5, .most_sweeps = 4000});
+      for (std::size_t k = 0; k < hold.frames.size(); ++k) {
+        fem::PadSurface surface{Eigen::ArrayXd(64), Eigen::ArrayXd(64)};
+        std::array<double, 2> axis{};
+        const auto to = held.ask(k, std::span(surface.height.data(), 64), std::span(surface.cover.data(), 64), axis);
+        twin.set_surface(surface, axis);
+        const fem::SteppedState state = held.by_wrench(k) ? twin.press({to[0], to[1], to[2], to[3]}, 1e-4)
+                                                          : twin.move(to[0], {to[1], to[2], to[3]});
+        HeldStep step;
+        for (int i = 0; i < 4; ++i) step.force[static_cast<std::size_t>(i)] = state.force[i];
+        step.pose = {twin.depth(), twin.motion()[0], twin.motion()[1], twin.motion()[2]};
+        step.area = state.touching * cells.area(), step.slid = state.slid;
+        held.take(k, step);
+        if (k + 1 < 4) continue;
+        SCOPED_TRACE(testing::Message() << by << ", grip " << c << ", frame " << k);
+        ASSERT_EQ(set.step[row], k);
+        const double P = step.force[0];
+        EXPECT_NEAR(set.normal_force[row] / P, 1, 0.01);
+        EXPECT_NEAR(set.tangential_force[2 * row], step.force[1], 0.01 * P);
+        EXPECT_NEAR(set.tangential_force[2 * row + 1], step.force[2], 0.01 * P);
+        EXPECT_NEAR(set.slip_index[row], state.slip_index, 0.02);
+        EXPECT_NEAR(set.slid[row], held.over_limit(), 0.02 + 0.03 * held.over_limit());
+        ++row;
+      }
+    }
+    EXPECT_EQ(row, set.rows());
+  }
+}
+
+/// Of a motion far beyond the elastic limit, tactels so small that their stresses make up the force.
+TEST_F(HoldSet, FramesSumToTheForce) {
+  std::string pad = rubber;
+  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
+  const ContactSet set =
+      simulate(source(sweep(3) + pad + face + uneven +
+                      "[contact]\nfriction = 0.6\n[load]\nnormal_force = 8\n[load.hold]\nframes = 30\n"
+                      "press = 6\nrest = 2\nmove_frames = 12\nby = \"motion\"\nsize = 5\n"));
+  const double area = 0.49 * 0.49;
+  const std::size_t tactels = 38 * 38;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    double sum[3] = {};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < tactels; ++i) sum[axis] += area * set.frames[row * 3 * tactels + axis * tactels + i];
+    EXPECT_NEAR(-sum[0] / set.normal_force[row], 1, 0.03);  // of stress beside the base's corners
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      EXPECT_NEAR(sum[1 + axis], set.tangential_force[2 * row + axis], 0.03 * set.normal_force[row]);
+  }
+}
+
+const std::string many =
+    sweep(40, "sensors = 2\n") +
+    "[sensor]\nkind = \"pad\"\nlength = 18.8\nwidth = 18.8\nyoung = 0.5\npoisson = 0.48\n"
+    "thickness = { uniform = [3, 5] }\n" +
+    face + uneven + "[contact]\nfriction = { uniform = [0.3, 1.5] }\n" +
+    "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nframes = 60\n" +
+    "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nby = \"motion\"\nframes = 50\n" +
+    "[transducer]\nnoise_of_largest = 0.002\nshear_gain = { log_uniform = [0.3, 3] }\n";
+
+TEST_F(HoldSet, RowsOfAGripDependOnTheGripAlone) {
+  const PadSource grips = source(many);
+  const ContactSet whole = simulate(grips);
+  EXPECT_EQ(whole.contacts, 40u);
+  Executor one{Device("").for_one_contact()};
+  const SetSimulator other(one, grips, {.pad = pad_rung_named("pad-8")});
+  expect_ranges_make(whole, other, {{0, 7}, {7, 1}, {8, 20}, {28, 12}});
+}
+
+/// Forces, faces and friction far from any grip, on few cells: what is not solved is marked, and no number is none.
+TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
+  const std::string ends =
+      "[contact]\nfriction = { log_uniform = [0.05, 3] }\n[[load]]\nnormal_force = { log_uniform = "
+      "[0.02, 60] }\n[load.hold]\nframes = 60\ntilt = { uniform = [-3, 3] }\nsize = { log_uniform = "
+      "[0.1, 30] }\nloss = { uniform = [-0.5, 1] }\n";
+  std::string moved = ends.substr(ends.find("[[load]]"));
+  moved += "by = \"motion\"\n";
+  const std::string few =
+      "[indenter]\nshape = \"sphere\"\nradius = { uniform = [2, 8] }\nposition = [{ uniform = [-6, 6] }, 0]\n";
+  for (const std::string& object :
+       {std::string(face) + "unevenness = { rms = { log_uniform = [0.05, 1] }, length = { log_uniform = [2, 20] } }\n",
+        few}) {
+    const ContactSet set = simulate(source(sweep(60) + rubber + object + ends + moved));
+    ASSERT_GT(set.rows(), 60u * 30);
+    std::size_t unsolved = 0;
+    for (std::size_t row = 0; row < set.rows(); ++row) {
+      ASSERT_TRUE(std::isfinite(set.normal_force[row]) && std::isfinite(set.slid[row])) << row;
+      ASSERT_GT(set.normal_force[row], 0);
+      unsolved += set.status[row] == 2;
+      if (set.status[row] == 2) continue;
+      ASSERT_LE(set.force_ratio[row], 1.01) << row << " status " << int(set.status[row]);
+      ASSERT_LE(set.stick_fraction[row], 1);
+    }
+    EXPECT_TRUE(std::ranges::all_of(set.frames, [](float stress) { return std::isfinite(stress); }));
+    EXPECT_LT(unsolved, set.rows() / 50);
+  }
+}
+
+/// The largest change of each grip's frame since the first of its rest, over P then: `moved` of live answers.
+std::vector<double> largest_moved(const ContactSet& set, std::uint32_t rest) {
+  std::vector<double> most(set.contacts, 0.0);
+  std::size_t at = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    if (set.step[row] == rest) at = row;
+    if (set.step[row] <= rest) continue;
+    double sum = 0, P = 0;
+    for (std::size_t i = 0; i < 48; ++i) {
+      sum += std::pow(set.frames[48 * row + i] - set.frames[48 * at + i], 2);
+      if (i < 16) P -= set.frames[48 * at + i];
+    }
+    most[set.contact[row]] = std::max(most[set.contact[row]], std::sqrt(sum) / P);
+  }
+  return most;
+}
+
+double share_above(const std::vector<double>& values, double threshold) {
+  return static_cast<double>(std::ranges::count_if(values, [&](double value) { return value > threshold; })) /
+         static_cast<double>(values.size());
+}
+
+/// Why faces are uneven and tilt. Some objects slide by ten elastic limits, others hold at half of friction's limit.
+class HoldNuisances : public HoldSet {
+ protected:
+  std::vector<double> moved(const std::string& unevenness, const std::string& load) {
+    return largest_moved(simulate(source(sweep(32) + rubber + face + unevenness +
+                                         "[contact]\nfriction = 0.3\n[load]\nnormal_force = { uniform = [6, 20] }\n"
+                                         "[load.hold]\nframes = 60\npress = 20\nrest = 5\nmoves = 1\nmove_frames = 30\n"
+                                         "direction = 30\nturn = 0\nback = 0\n" +
+                                         load)),
+                         24);
+  }
+  const std::string slides_ = "by = \"motion\"\nweight = 5\nsize = 10\ntilt = 0\nrelax = 0\nloss = 0\n",
+                    holds_ = "weight = 0.4\nsize = 0.1\nrelax = 0\nloss = 0\n";
+};
+
+/// Objects that slide already at rest and slide on: an even face changes nothing, an uneven one does.
+TEST_F(HoldNuisances, WithoutUnevennessASlideGivesNoAlarm) {
+  const std::vector<double> of_uneven = moved("unevenness = { rms = 0.05, length = { uniform = [3, 8] } }\n", slides_),
+                            of_even = moved("", slides_);
+  const double threshold = *std::ranges::max_element(of_even) * 1.2;
+  EXPECT_GT(share_above(of_uneven, threshold), 0.8);
+}
+
+/// A threshold from faces that do not tilt gives false alarms in grips whose faces do.
+TEST_F(HoldNuisances, WithoutTiltGripsThatHoldGiveFalseAlarms) {
+  const std::vector<double> even = moved(uneven, holds_ + "tilt = 0\n"), tilted = moved(uneven, holds_ + "tilt = 1\n");
+  const double threshold = *std::ranges::max_element(even) * 1.2;
+  EXPECT_GT(share_above(tilted, threshold), 0.5);
+}
+
+}  // namespace
+}  // namespace tactel::host
