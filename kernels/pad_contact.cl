@@ -37,6 +37,7 @@
    work-item makes the table of all pairs of its scene's cells (pad/free_sides.h), and takes WIDE cells at a time. Rows
    of a sweep are divided by what each cell does to itself. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
+// defines of WIDE: CELLS=8 VECTORS=1 OWN_TABLES=0 FREE_SIDES=1
 #include "pad/increment.h"
 #include "pad/residual.h"
 #include "pad/slip_margin.h"
