@@ -102,7 +102,7 @@ static void shares_at(const SidePart *part, global const real *in, real x, real 
 static void mirror_layer(global const real *quadrant, global real *planes) {
   for (int dx = -CELLS; dx <= CELLS; ++dx)
     for (int dy = -CELLS; dy <= CELLS; ++dy) {
-      global const real *c = quadrant + PAD_OWN_INFLUENCE * ((dx < 0 ? -dx : dx) * (CELLS + 1) + (dy < 0 ? -dy : dy));
+      global const real *c = quadrant + PAD_OWN_INFLUENCE * ((int)abs(dx) * (CELLS + 1) + (int)abs(dy));
       const real sx = dx > 0 ? -1 : 1, sy = dy > 0 ? -1 : 1; /* the place lies at -(dx, dy) from the source */
       global real *to = planes + (dx + CELLS) * SPAN + dy + CELLS;
       to[PLANE_ZN * SPAN * SPAN] = c[PAD_ZZ];

@@ -273,6 +273,22 @@ TEST_P(TinyBatches, PadContact) {
   }
 }
 
+/// A table of all pairs of each scene's cells, in memory that runs borrow. Tolerance: as above.
+TEST_P(TinyBatches, PadContactWithFreeSides) {
+  fem::PadScene scene = few_pads().front();
+  scene.sensor.length = 8, scene.sensor.width = 7;
+  scene.indenter.position = {3, 1};
+  const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3});
+  const fem::PadSolver twin(*contact.layer(scene.sensor.poisson), {.cells = 8});
+  auto batch = contact.prepare({&scene, 1});
+  batch.run();
+  const fem::PadStep found = batch.solution(0).steps.back(),
+                     expected = twin.solve_on(batch.cells(0), batch.scene(0)).steps.back();
+  EXPECT_NEAR(found.P, expected.P, 1e-2 * expected.P);
+  EXPECT_NEAR(found.Q.norm(), expected.Q.norm(), 2e-2 * expected.P);
+  EXPECT_LT((found.stress - expected.stress).cwiseAbs().maxCoeff(), 1e-2 * expected.stress.cwiseAbs().maxCoeff());
+}
+
 /// By motion, then by wrench, on the smallest grid; a contact more than a vector has. Tolerance: as above.
 TEST_P(TinyBatches, PadStep) {
   const fem::PadSensor pad{.tactels = {3, 1}};
