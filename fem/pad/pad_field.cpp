@@ -30,7 +30,7 @@ using Complex = std::complex<double>;
 constexpr int levels = 13, most_points = 61;
 constexpr double repeats = 10;   // thicknesses between a contact and its image
 constexpr double margin = 1.5;   // thicknesses of rubber around a contact
-constexpr double finest = 0.02;  // thicknesses: a cell counts as no smaller
+constexpr double finest = 0.05;  // thicknesses: a cell counts as no smaller
 constexpr double beyond = 40;    // of |k| (H - z): a wave that long has died out
 
 enum { u_x, u_y, u_z, s_xx, s_yy, s_zz, s_xy, s_yz, s_xz, components };
@@ -116,6 +116,12 @@ struct Waves {
       for (int i = 0; i < points; ++i) at_points(i, m) = std::polar(1.0, k[m] * x[i]);
     }
   }
+  /// The largest wave, counted from the even one, that has not died out so far below the surface.
+  Eigen::Index most(double below) const {
+    const Eigen::Index all = k.size() / 2;
+    const double reached = beyond / (k[all + 1] * std::max(below, 1e-9));
+    return reached < static_cast<double>(all) ? static_cast<Eigen::Index>(reached) : all;
+  }
   Eigen::VectorXd k, x;
   Eigen::MatrixXcd of_cells, at_points;
 };
@@ -153,13 +159,18 @@ PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size
   field.place.resize(3, plane * levels);
   field.displacement.resize(3, plane * levels);
   field.stress.resize(6, plane * levels);
-  std::vector<Eigen::MatrixXcd> waves(components, Eigen::MatrixXcd(along_y.k.size(), along_x.k.size()));
+  std::vector<Eigen::MatrixXcd> waves(components);
   for (int level = 0; level < levels; ++level) {
     const double below = 1 - static_cast<double>(level) / (levels - 1), z = H * (1 - below * below);
-    for (Eigen::Index mx = 0; mx < along_x.k.size(); ++mx)
-      for (Eigen::Index my = 0; my < along_y.k.size(); ++my) {
-        const double kx = along_x.k[mx], ky = along_y.k[my], k = std::hypot(kx, ky);
-        const Eigen::Vector3cd f(traction[0](my, mx), traction[1](my, mx), traction[2](my, mx));
+    const Eigen::Index most_x = along_x.most(H - z), most_y = along_y.most(H - z);
+    const Eigen::Index first_x = along_x.k.size() / 2 - most_x, first_y = along_y.k.size() / 2 - most_y;
+    const Eigen::Index count_x = 2 * most_x + 1, count_y = 2 * most_y + 1;
+    for (Eigen::MatrixXcd& of : waves) of.resize(count_y, count_x);
+    for (Eigen::Index mx = 0; mx < count_x; ++mx)
+      for (Eigen::Index my = 0; my < count_y; ++my) {
+        const double kx = along_x.k[first_x + mx], ky = along_y.k[first_y + my], k = std::hypot(kx, ky);
+        const auto of = [&](std::size_t part) { return traction[part](first_y + my, first_x + mx); };
+        const Eigen::Vector3cd f(of(0), of(1), of(2));
         std::array<Complex, components> out{};
         if (k == 0)
           at_rest(nu, G, f, z, out.data());
@@ -169,7 +180,9 @@ PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size
       }
     std::array<Eigen::MatrixXd, components> values;  // [y][x]
     for (int c = 0; c < components; ++c)
-      values[c] = (along_y.at_points * (waves[c] * along_x.at_points.transpose())).real();
+      values[c] = (along_y.at_points.middleCols(first_y, count_y) *
+                   (waves[c] * along_x.at_points.middleCols(first_x, count_x).transpose()))
+                      .real();
     for (int iy = 0; iy < ny; ++iy)
       for (int ix = 0; ix < nx; ++ix) {
         const Eigen::Index i = level * plane + Eigen::Index(iy) * nx + ix;

@@ -18,8 +18,8 @@ struct PadField {
 };
 
 /// Each number is the mean over half a cell along x and y. The tractions repeat in ten thicknesses, and their
-/// mean bears on all of that square: 3e-3 of the largest pressure at most. Below cells of less than a
-/// fiftieth of a thickness the means are over a fiftieth of one. Throws ValueError, key "sides", for a pad with free
+/// mean bears on all of that square: 3e-3 of the largest pressure at most. Cells below a
+/// twentieth of a thickness count as such. Throws ValueError, key "sides", for a pad with free
 /// sides, which bound no endless layer.
 PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size_t step);
 

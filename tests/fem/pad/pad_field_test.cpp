@@ -132,6 +132,19 @@ TEST(PadField, TurnsWithTheIndenter) {
   }
 }
 
+// A needle: cells far below a thickness, whose waves are limited; the base bears its force.
+TEST(PadField, OfANeedleIsThatOfAPoint) {
+  const double nu = 0.48;
+  const PadLayer layer(nu);
+  const PadScene scene = scene_of(Punch{0.01, 0}, 0.005, 2.5, nu, 0.5, {});
+  const PadSolution solution = PadSolver(layer, {.cells = 12}).solve(scene);
+  const PadField field = pad_field(scene, solution, 0);
+  const Eigen::Index middle = Eigen::Index(field.points[1] / 2) * field.points[0] + field.points[0] / 2;
+  const double b0 = layer.stresses(0)[0];
+  EXPECT_NEAR(field.stress(2, middle), -b0 * solution.steps[0].P / (2 * EIGEN_PI * 2.5 * 2.5),
+              0.01 * std::abs(b0) * solution.steps[0].P / (2 * EIGEN_PI * 2.5 * 2.5));
+}
+
 // Equilibrium: each level bears the same force. Beyond the points lies little of it.
 TEST(PadField, EachLevelBearsTheForce) {
   const Pressed p(0.3);
