@@ -67,6 +67,7 @@ void stepped(benchmark::State& state, std::size_t count, int threads, bool by_wr
   for (int k = 0; k < 4; ++k) steps.move(bowls.pose(k));
   for (std::size_t c = 0; c < count; ++c) P[c] = number(steps, c, STEP_RESULT_P);
   std::vector<std::vector<double>> way;
+  way.reserve(steps_a_way);
   for (int k = 0; k < steps_a_way; ++k) way.push_back(by_wrench ? bowls.wrench(k, P, 0.8) : bowls.pose(k + 4));
   bench::Peak<float> peak(executor.device(), threads);
   if (!peak.right()) {
