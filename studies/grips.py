@@ -38,7 +38,7 @@ def simulated(folder):
                          .replace("seed = 9", f"seed = {77 + k}"))
         run("generate", sweep, "--output", made, "--rung", "pad-8")
         with h5py.File(made) as set_file:
-            parts.append({name: set_file[name][...] for name in ("inputs", "contact", "step", "slid", "slip_index", "friction")})
+            parts.append({name: set_file[name][...] for name in ("inputs", "contact", "step", "slid", "slip_index", "friction", "status")})
         parts[-1]["rms"] = np.full(len(parts[-1]["contact"]), rms)
         parts[-1]["contact"] = parts[-1]["contact"] + k * options.grips
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -56,7 +56,9 @@ _, first = np.unique(rows["contact"], return_index=True)
 lengths = np.diff(np.r_[first, len(rows["contact"])])
 rest = np.repeat([a + np.searchsorted(rows["step"][a:a + n], REST) for a, n in zip(first, lengths)], lengths)
 after = np.arange(len(rest)) >= rest
-way = np.where(after, rows["slid"] - rows["slid"][rest], 0)
+step = np.where(after & (np.arange(len(rest)) > rest), np.diff(rows["slid"], prepend=0), 0)  # elastic limits
+ways = np.cumsum(np.where(rows["status"] == 1, step, 0))
+way = ways - ways[rest]  # while no cell sticks; no cell holds a grip then
 at_rest, change = rows["inputs"][rest], rows["inputs"] - rows["inputs"][rest]
 
 
@@ -69,7 +71,7 @@ for path in options.networks:
     scores[path.stem] = np.asarray(tactel.Network.load(str(path))(np.hstack([rows["inputs"], at_rest]))).ravel()
 end, S = largest(way), largest(rows["slip_index"])
 holds, slides, safe = end <= 1e-3, end > 1, (end <= 1e-3) & (S < SAFE)
-speed = largest(np.r_[0, np.maximum(np.diff(way), 0)])  # elastic limits a frame
+speed = largest(np.r_[0, np.diff(way)])  # elastic limits a frame
 own = {"S at rest": rows["slip_index"][rest][first], "friction": rows["friction"][first], "rms, mm": rows["rms"][first],
        "limits a frame": speed}
 print(f"{len(first)} grips: {holds.sum()} hold, {safe.sum()} with S below {SAFE}; {slides.sum()} slide.\n")
