@@ -7,14 +7,16 @@
 // prints those that they make, by class of scenes; FILE becomes host/answers/measured_pads.cpp.
 //
 //     build/bench/tactel_pad_study judge [SCENES, 120] [SEED, 2027] [ANSWERS]
+//     build/bench/tactel_pad_study sides [SCENES, 120] [SEED, 2027] [ANSWERS]
 //
-// prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, and
-// how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is exceeded twice, or less
-// than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts for the answer. A scene
-// whose reference does not settle has no answer to judge by: it is named and left out, and more than one in fifty fail.
+// prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, or on
+// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is
+// exceeded twice, or less than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts
+// for the answer. A scene whose reference does not settle has no answer to judge by: it is named and left out, and more
+// than one in fifty fail.
 //
-// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side and so many increments
-// that a path has 24.
+// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 32 with free sides,
+// and so many increments that a path has 24.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,7 +57,7 @@ void each_number(fem::PadReferenceSolution& answer, F f) {
 /// The reference's answer to a scene: from a file of an earlier run, or solved and written there.
 fem::PadReferenceSolution reference(const fem::PadScene& scene, const std::string& path) {
   const int drags = std::max<int>(1, static_cast<int>(scene.load.drags.size()));
-  fem::PadOptions options = fem::pad_reference_options(48);
+  fem::PadOptions options = fem::pad_reference_options(fem::has_free_sides(scene.sensor) ? 32 : 48);
   options.drag_increments = std::clamp(24 / drags, 4, 12);
   fem::PadReferenceSolution answer;
   if (std::ifstream in(path); !path.empty() && in) {
@@ -73,13 +75,17 @@ fem::PadReferenceSolution reference(const fem::PadScene& scene, const std::strin
   return answer;
 }
 
+/// As the table was measured; wider; with free sides.
+enum class Scenes { measured, wide, free_sides };
+
 /// Calls f with each scene and the reference's answer.
 template <class F>
-void each_scene(int count, unsigned seed, bool wide, const std::string& answers, const F& f) {
+void each_scene(int count, unsigned seed, Scenes scenes, const std::string& answers, const F& f) {
   if (!answers.empty()) std::filesystem::create_directories(answers);
   for (int k = 0; k < count; ++k) {
-    const UnlikePad pad = unlike_pad(seed, k, wide);
-    const std::string kept = fmt::format("{}/{}_{}_{:03}.txt", answers, seed, static_cast<int>(wide), k);
+    const UnlikePad pad =
+        scenes == Scenes::free_sides ? unlike_free_pad(seed, k) : unlike_pad(seed, k, scenes == Scenes::wide);
+    const std::string kept = fmt::format("{}/{}_{}_{:03}.txt", answers, seed, static_cast<int>(scenes), k);
     f(pad, reference(pad.scene, answers.empty() ? "" : kept));
   }
 }
@@ -142,7 +148,7 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
 int table(int count, unsigned seed, const std::string& answers, const char* file) {
   ByClass own;
   std::map<std::string, ByClass> made;
-  each_scene(count, seed, false, answers, [&](const UnlikePad& pad, const fem::PadReferenceSolution& truth) {
+  each_scene(count, seed, Scenes::measured, answers, [&](const UnlikePad& pad, const fem::PadReferenceSolution& truth) {
     const auto add = [of = static_cast<int>(pad_class(pad.scene))](ByClass& to, const Errors& error) {
       to[of].push_back(error), to[pad_classes].push_back(error);
     };
@@ -186,7 +192,7 @@ SolveOptions by_twin(const std::string& rung) {
   return options;
 }
 
-int judge(int count, unsigned seed, const std::string& answers) {
+int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
   std::map<std::string, Tally> rungs;
   struct Kept {
     int all = 0, kept = 0, reference = 0;
@@ -194,7 +200,7 @@ int judge(int count, unsigned seed, const std::string& answers) {
   std::map<double, Kept> accuracies{{0.05, {}}, {0.02, {}}, {0.01, {}}};
   std::vector<Errors> own;
   int scene = -1, unsettled = 0;
-  each_scene(count, seed, true, answers, [&](const UnlikePad& pad, const fem::PadReferenceSolution& truth) {
+  each_scene(count, seed, scenes, answers, [&](const UnlikePad& pad, const fem::PadReferenceSolution& truth) {
     ++scene;
     if (!std::ranges::all_of(truth.solution.steps, &fem::PadStep::converged)) {
       ++unsettled;
@@ -250,11 +256,13 @@ int judge(int count, unsigned seed, const std::string& answers) {
 }  // namespace tactel::host
 
 int main(int count, char** arguments) {
-  const bool judging = count > 1 && std::string(arguments[1]) == "judge";
+  const bool free_sides = count > 1 && std::string(arguments[1]) == "sides";
+  const bool judging = free_sides || (count > 1 && std::string(arguments[1]) == "judge");
   if (judging) --count, ++arguments;
   const int scenes = count > 1 ? std::atoi(arguments[1]) : judging ? 120 : 168;
   const auto seed = static_cast<unsigned>(count > 2 ? std::atoi(arguments[2]) : judging ? 2027 : 2026);
   const std::string answers = count > 3 ? arguments[3] : "";
-  return judging ? tactel::host::judge(scenes, seed, answers)
+  using tactel::host::Scenes;
+  return judging ? tactel::host::judge(scenes, seed, free_sides ? Scenes::free_sides : Scenes::wide, answers)
                  : tactel::host::table(scenes, seed, answers, count > 4 ? arguments[4] : nullptr);
 }

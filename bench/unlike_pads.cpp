@@ -132,4 +132,23 @@ UnlikePad unlike_pad(unsigned seed, int k, bool wide) {
   return made;
 }
 
+UnlikePad unlike_free_pad(unsigned seed, int k) {
+  std::seed_seq seeds{seed, static_cast<unsigned>(k), 2u};
+  Draw draw{std::mt19937(seeds)};
+  UnlikePad made{{}, static_cast<PadWay>((k + k / pad_kinds) % pad_ways)};
+  fem::PadScene& scene = made.scene;
+  constexpr double side = 19;
+  constexpr std::array<std::array<double, 2>, 5> rubbers{{{2, 0.45}, {3, 0.3}, {4.5, 0.48}, {4.5, 0.4}, {6, 0.4999}}};
+  const auto [H, nu] = rubbers[static_cast<std::size_t>(k) % rubbers.size()];
+  const double d = H * draw.log_in(0.01, 0.1), a = draw.log_in(1.5, 14);
+  scene.sensor.thickness = H, scene.sensor.young = 1, scene.sensor.poisson = nu;
+  scene.sensor.length = scene.sensor.width = side;
+  scene.indenter = indenter(draw, k % pad_kinds, H, a, d);
+  scene.indenter.position = {side / 2 * draw.in(-0.95, 0.95), side / 2 * draw.in(-0.95, 0.95)};
+  scene.friction = draw.log_in(0.1, 1.5);
+  scene.load.indentation = {d};
+  scene.load.drags = drags(draw, made.way, scene.friction * d * 1.5, std::min(a, side / 2));
+  return made;
+}
+
 }  // namespace tactel::host

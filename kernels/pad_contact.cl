@@ -31,8 +31,13 @@
 
    Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), CELLS, VECTORS, OWN_TABLES (0 | 1). With OWN_TABLES
    every lane has a table of its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share.
-   The bits are those of a shared table. */
+   The bits are those of a shared table.
+
+   FREE_SIDES 1 with LANES and VECTORS 1, OWN_TABLES 0 and WIDE (1, 2, 4, 8, 16): the sides of the pad are free. A
+   work-item makes the table of all pairs of its scene's cells (pad/free_sides.h), and takes WIDE cells at a time. Rows
+   of a sweep are divided by what each cell does to itself. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
+// defines of WIDE: CELLS=8 VECTORS=1 OWN_TABLES=0 FREE_SIDES=1
 #include "pad/increment.h"
 #include "pad/residual.h"
 #include "pad/slip_margin.h"
@@ -104,13 +109,18 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
     EACH(b, 4) { outside[b].v[v] = 0; }
   }
-  ROLLED for (int k = 0; k < 4 * (CELLS + 1); ++k) {
-    const int side = k / (CELLS + 1), along = k % (CELLS + 1); /* once round the ring */
-    const int ix = side == 0 ? along - 1 : side == 1 ? CELLS : side == 2 ? CELLS - along : -1;
-    const int iy = side == 0 ? -1 : side == 1 ? along - 1 : side == 2 ? CELLS : CELLS - along;
+  ROLLED for (int k = 0; k < RING_PLACES; ++k) {
+    int ix, iy;
+    ring_place(k, &ix, &iy);
     const int sides = (ix < 0 ? 1 : ix == CELLS ? 2 : 0) + (iy < 0 ? 4 : iy == CELLS ? 8 : 0);
+#if FREE_SIDES
+    Lanes uz;
+    if (heights[(ix + 1) * RING + iy + 1] >= PAD_OPEN) continue; /* the table lacks it */
+    uz.v[0] = displacement_of_ring(influence, c, k);
+#else
     Lanes ux, uy, uz;
     displacement(influence, c, ix, iy, &ux, &uy, &uz);
+#endif
     EACH_VECTOR(v) {
       const vreal inside =
           (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
@@ -244,6 +254,81 @@ static void check_input(global const vreal *lane_input, global const vreal *path
   }
 }
 
+/* Walks the load paths of a group; the arrays are its own. */
+INLINE void walk(const Influence *influence, global const vreal *lane_input, global const vreal *path,
+                 global const vreal *heights, int increments, real tolerance, const Answers *a) {
+  Cells c;
+  State s;
+  check_input(lane_input, path, heights, increments, &s);
+  c.listed = 0;
+  s.half_size = (real)0.5 * CELLS * fmax(influence->hx, influence->hy);
+  EACH_VECTOR(v) {
+    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] =
+        s.change_twist.v[v] = 0;
+    s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
+    s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
+    s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
+    s.power.v[v] = (real)1.5;
+    s.trial_sweeps.v[v] = s.slid.v[v] = 0;
+    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence->root_tt / influence->root_zz);
+    s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
+    s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    c.n[i].v[v] = c.tx[i].v[v] = c.ty[i].v[v] = c.gx[i].v[v] = c.gy[i].v[v] = 0;
+    c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
+#if FREE_SIDES
+    global const real *own = influence->table + (size_t)PAIR_PLANES * COUNT * i + i;
+    c.per_own_n[i].v[v] = 1 / own[PLANE_ZN * COUNT];
+    c.per_own_t[i].v[v] = 1 / fmax(own[PLANE_XX * COUNT], own[PLANE_YY * COUNT]);
+#endif
+  }
+  ROLLED for (int k = 0; k < increments; ++k) {
+    Lanes slot;
+    Target target;
+    Masks solving;
+    EACH_VECTOR(v) {
+      global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+      global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
+      s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
+      slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
+      target.normal.v[v] = to[PAD_NORMAL];
+      target.x.v[v] = to[PAD_X];
+      target.y.v[v] = to[PAD_Y];
+      target.twist.v[v] = to[PAD_TWIST];
+    }
+    if (!any_of(&s.running)) break;
+    start_increment(influence, &target, heights, &c, &s, &solving);
+    do {
+      list_cells(&s.active, &c);
+      while (any_of(&s.active)) sweep(influence, a->most_sweeps, &c, &s);
+      widen(influence, &solving, &c, &s);
+      if (any_of(&s.active)) continue;
+      if (any_of(&s.searching)) next_depth(influence, heights, tolerance, &c, &s);
+      refine(influence, &solving, a->accept, &c, &s);
+    } while (any_of(&s.active));
+    Masks asked;
+    EACH_VECTOR(v) {
+      asked.v[v] = slot.v[v] >= 0;
+      s.lost.v[v] |= s.failed.v[v];
+    }
+    add_slide(influence, &c, &s);
+    if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
+    remember(&c, &s);
+  }
+  /* Lanes whose input is no scene. */
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    real valid[LANES];
+    STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
+    for (int l = 0; l < LANES; ++l)
+      for (int k = 0; k < (valid[l] == 0 ? a->slots : 0) * PAD_RESULT_ROWS; ++k)
+        a->result[(a->first_lane + v * LANES + l) * a->slots * PAD_RESULT_ROWS + k] =
+            k % PAD_RESULT_ROWS == RESULT_STATUS ? (real)LANE_INVALID : 0;
+  }
+}
+
+#if !FREE_SIDES
 /* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
    [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
@@ -265,76 +350,81 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const size_t vector = first_vector + group * VECTORS;
   const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
-  lane_input += vector * PAD_INPUT_ROWS;
-  path += vector * increments * PAD_PATH_ROWS;
-  heights += vector * RING * RING;
+  walk(&influence, lane_input + vector * PAD_INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
+       heights + vector * RING * RING, increments, tolerance, &answers);
+}
+#endif
 
-  Cells c;
-  State s;
-  check_input(lane_input, path, heights, increments, &s);
-  c.listed = 0;
-  s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
-  EACH_VECTOR(v) {
-    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
-    s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] =
-        s.change_twist.v[v] = 0;
-    s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
-    s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
-    s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
-    s.power.v[v] = (real)1.5;
-    s.trial_sweeps.v[v] = s.slid.v[v] = 0;
-    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
-    s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
-    s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
-  }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    c.n[i].v[v] = c.tx[i].v[v] = c.ty[i].v[v] = c.gx[i].v[v] = c.gy[i].v[v] = 0;
-    c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
-  }
-  ROLLED for (int k = 0; k < increments; ++k) {
-    Lanes slot;
-    Target target;
-    Masks solving;
-    EACH_VECTOR(v) {
-      global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
-      global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
-      s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
-      slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
-      target.normal.v[v] = to[PAD_NORMAL];
-      target.x.v[v] = to[PAD_X];
-      target.y.v[v] = to[PAD_Y];
-      target.twist.v[v] = to[PAD_TWIST];
-    }
-    if (!any_of(&s.running)) break;
-    start_increment(&influence, &target, heights, &c, &s, &solving);
-    do {
-      list_cells(&s.active, &c);
-      while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
-      widen(&influence, &solving, &c, &s);
-      if (any_of(&s.active)) continue;
-      if (any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
-      refine(&influence, &solving, accept, &c, &s);
-    } while (any_of(&s.active));
-    Masks asked;
-    EACH_VECTOR(v) {
-      asked.v[v] = slot.v[v] >= 0;
-      s.lost.v[v] |= s.failed.v[v];
-    }
-    add_slide(&influence, &c, &s);
-    if (any_of(&asked)) report(&influence, lane_input, heights, &answers, &slot, &c, &s);
-    remember(&c, &s);
-  }
-  /* Lanes whose input is no scene. */
-  ROLLED for (int v = 0; v < VECTORS; ++v) {
-    real valid[LANES];
-    STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
-    for (int l = 0; l < LANES; ++l)
-      for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_RESULT_ROWS; ++k)
-        result[(answers.first_lane + v * LANES + l) * slots * PAD_RESULT_ROWS + k] =
-            k % PAD_RESULT_ROWS == RESULT_STATUS ? (real)LANE_INVALID : 0;
-  }
+#if FREE_SIDES
+/* The same with free sides, a scene a work-item. layers [scenes][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE]: the
+   layer's means; softs [scenes][COUNT]: compliances that cells have of their own, over H; pairs [groups of the
+   launch][PAIR_NUMBERS]: memory to work in. SidePart (pad/free_sides.h) tells the others. The launch begins with scene
+   first_scene. */
+kernel void pad_free_contact(uint first_group, global real *pairs, global const real *layers, global const real *softs,
+                             global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
+                             int first_scene, global const vreal *lane_input, global const vreal *path,
+                             global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
+                             real accept, int most_sweeps, global real *result, global real *forces) {
+  TAKE_GROUP(group);
+  const size_t scene = first_scene + group;
+  const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
+  global const real *head = layers + scene * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE);
+  global real *table = pairs + group * PAIR_NUMBERS;
+  lane_input += scene * PAD_INPUT_ROWS;
+  heights += scene * RING * RING;
+  make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
+  const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
+  const Answers answers = {scene, slots, write_forces, most_sweeps, accept, result, forces};
+  walk(&influence, lane_input, path + scene * increments * PAD_PATH_ROWS, heights, increments, tolerance, &answers);
 }
 
+/* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
+   among `responses`, [3 nodes][3 tactels up to a multiple of SUMMANDS]: stress over 1 / H^2 by unit forces x, y, z on
+   the nodes of the block. The other arrays are those of pad_contact and pad_base_stress. */
+kernel void pad_side_stress(uint first_group, global const real *responses, global const int *response_of, int nodes_x,
+                            int nodes_y, real side_x, real side_y, global const real *lane_input,
+                            global const real *places, int tactels, int slots, global const real *forces,
+                            global real *stress) {
+  TAKE_GROUP(group);
+  const SidePart part = {0, nodes_x, nodes_y, side_x, side_y};
+  global const real *place = places + group * PAD_PLACE_ROWS, *in = lane_input + group * PAD_INPUT_ROWS;
+  const int numbers = 3 * tactels, row = (numbers + SUMMANDS - 1) / SUMMANDS * SUMMANDS, nodes = nodes_x * nodes_y;
+  global const real *response = responses + (size_t)response_of[group] * 3 * nodes * row;
+  const real unit = place[PAD_PLACE_THICKNESS] * place[PAD_PLACE_THICKNESS];
+  real on_node[3 * MOST_SIDE_NODES * MOST_SIDE_NODES];
+  for (int k = 0; k < (int)place[PAD_PLACE_STEPS]; ++k) {
+    global const real *f = forces + (group * slots + k) * 3 * COUNT;
+    for (int m = 0; m < 3 * nodes; ++m) on_node[m] = 0;
+    for (int i = 0; i < COUNT; ++i) {
+      const real n = f[i], tx = f[COUNT + i], ty = f[2 * COUNT + i];
+      if (!(n > 0)) continue;
+      NodeShares at;
+      shares_at(&part, in,
+                place[PAD_PLACE_X_MIDDLE] + ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HX],
+                place[PAD_PLACE_Y_MIDDLE] + ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * place[PAD_PLACE_HY], &at);
+      const real x = place[PAD_PLACE_COSINE] * tx - place[PAD_PLACE_SINE] * ty,
+                 y = place[PAD_PLACE_SINE] * tx + place[PAD_PLACE_COSINE] * ty;
+      for (int m = 0; m < 16; ++m) {
+        real *to = on_node + 3 * ((at.x + m / 4) * nodes_y + at.y + m % 4);
+        to[0] = fma(at.share[m], x, to[0]);
+        to[1] = fma(at.share[m], y, to[1]);
+        to[2] = fma(at.share[m], -n, to[2]);
+      }
+    }
+    global real *to = stress + (group * slots + k) * numbers;
+    for (int at = 0; at < numbers; at += SUMMANDS) {
+      wide sum[PARTS];
+      real found[SUMMANDS];
+      EACH(p, PARTS) { sum[p] = 0; }
+      for (int m = 0; m < 3 * nodes; ++m) EACH(p, PARTS) {
+          sum[p] = fma((wide)(on_node[m]), LOAD_WIDE(response + (size_t)m * row + at + p * WIDE), sum[p]);
+        }
+      EACH(p, PARTS) { STORE_WIDE(sum[p], found + p * WIDE); }
+      for (int l = 0; l < SUMMANDS && at + l < numbers; ++l) to[at + l] = fma(unit, found[l], to[at + l]);
+    }
+  }
+}
+#else
 /* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of
    pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the sum over points of each cell, four
    Gauss points or the parts of a wide one (PadLayer::shares). A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
@@ -420,3 +510,4 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
     }
   }
 }
+#endif

@@ -73,17 +73,18 @@ Eigen::MatrixXd with_sides(const Eigen::MatrixXd& layer, const Window& window, c
     at.push_back(kernel.shares(place[0], place[1]));
   }
   const double scale = window.hx * window.hy / frame.sides.thickness;
-  Eigen::MatrixXd to_nodes = Eigen::MatrixXd::Zero(kernel.displacement().rows() / 3, n * n), c(n * n, n * n);
+  Eigen::MatrixXd to_nodes = Eigen::MatrixXd::Zero(kernel.normal_displacement().rows(), n * n);
   for (int i = 0; i < n * n; ++i)
     for (int k = 0; k < at[i].count; ++k)
-      for (Eigen::Index node = 0; node < to_nodes.rows(); ++node)
-        to_nodes(node, i) += scale * at[i].share[k] * kernel.displacement()(3 * node + 2, 3 * at[i].node[k] + 2);
-  for (int by = 0; by < n * n; ++by)
-    for (int i = 0; i < n * n; ++i) {
-      c(i, by) = layer(std::abs(i / n - by / n), std::abs(i % n - by % n));
-      for (int k = 0; k < at[i].count; ++k) c(i, by) += at[i].share[k] * to_nodes(at[i].node[k], by);
-    }
-  return c;
+      to_nodes.col(i) += (scale * at[i].share[k]) * kernel.normal_displacement().col(at[i].node[k]);
+  // Whole columns at once: by node, and what moves cell i in column i.
+  const Eigen::MatrixXd by_node = to_nodes.transpose();
+  Eigen::MatrixXd c(n * n, n * n);
+  for (int i = 0; i < n * n; ++i) {
+    for (int by = 0; by < n * n; ++by) c(by, i) = layer(std::abs(i / n - by / n), std::abs(i % n - by % n));
+    for (int k = 0; k < at[i].count; ++k) c.col(i) += at[i].share[k] * by_node.col(at[i].node[k]);
+  }
+  return c.transpose();
 }
 
 /// A box around another one, turned by so many degrees.

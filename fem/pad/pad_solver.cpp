@@ -106,26 +106,12 @@ PadOptions of_sweeps(PadOptions options, const PadScene& scene) {
   return options;
 }
 
-/// Heights at cells, +infinity also where a pad with free sides has ended.
-Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
-  Eigen::MatrixXd heights = cell_heights(cells, scene.indenter);
-  if (!has_free_sides(scene.sensor)) return heights;
-  for (int i = -1; i <= cells.n; ++i)
-    for (int j = -1; j <= cells.n; ++j)
-      if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), cells.x(i), cells.y(j)))
-        heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
-  return heights;
-}
-
 /// The table of a scene with free sides.
 PadTable table_of(const PadLayer& layer, const PadCells& cells, const PadScene& scene, const PadSides& sides) {
   PadTable table(layer, sides, cells, own_to_pad(scene.indenter, cells), position(scene.indenter));
-  if (!cells.shared) return table;
-  const Eigen::MatrixXd shares = covered_shares(cells, scene.indenter);
-  constexpr double all = 1 - 1e-9;
+  const Eigen::VectorXd compliances = shared_compliances(cells, scene);
   for (int i = 0; i < cells.count(); ++i)
-    if (const double share = shares(i / cells.n + 1, i % cells.n + 1); share > 0 && share < all)
-      table.soften(i, share_compliance(share, cells, scene.sensor.poisson));
+    if (compliances[i] > 0) table.soften(i, compliances[i]);
   return table;
 }
 
@@ -288,6 +274,27 @@ PadSolution PadWalk::walk() {
 }
 
 }  // namespace
+
+Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
+  Eigen::MatrixXd heights = cell_heights(cells, scene.indenter);
+  if (!has_free_sides(scene.sensor)) return heights;
+  for (int i = -1; i <= cells.n; ++i)
+    for (int j = -1; j <= cells.n; ++j)
+      if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), cells.x(i), cells.y(j)))
+        heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
+  return heights;
+}
+
+Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene) {
+  Eigen::VectorXd compliances = Eigen::VectorXd::Zero(cells.count());
+  if (!cells.shared) return compliances;
+  const Eigen::MatrixXd shares = covered_shares(cells, scene.indenter);
+  constexpr double all = 1 - 1e-9;
+  for (int i = 0; i < cells.count(); ++i)
+    if (const double share = shares(i / cells.n + 1, i % cells.n + 1); share > 0 && share < all)
+      compliances[i] = share_compliance(share, cells, scene.sensor.poisson);
+  return compliances;
+}
 
 double sliding_limit(const PadScene& scene, double normal, const PadCells& cells) {
   const double nu = scene.sensor.poisson, mu = scene.friction;

@@ -50,6 +50,13 @@ struct PadIncrement {
   bool asked = true;  ///< the load has it, and the answer a step for it
 };
 
+/// Returns the heights at cells and one ring around them (cell_heights), +infinity also where a pad with free sides has
+/// ended.
+Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene);
+
+/// Returns what each shared cell gives way beside the rubber (share_compliance), [cells] mm for E = 1; 0 of others.
+Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene);
+
 /// Returns about how far a drag goes before all of the contact slides, mm, at a depth or force. On a half-space that is
 /// mu P over the tangential stiffness 8 G a / (2 - nu) of a flat or (as 3/2 mu P) curved contact of radius a, and with
 /// P by the depth d for both

@@ -170,6 +170,7 @@ void SideKernel::unfold() {
                   mirrored(to, in_x, in_y) * mirrored(c, in_x, in_y) * quarter_(3 * node + to, 3 * source + c);
       }
   displacement_ = (displacement_ + displacement_.transpose()).eval() / 2;  // symmetric but for rounding
+  normal_ = displacement_(Eigen::seqN(2, nodes(), 3), Eigen::seqN(2, nodes(), 3));
 }
 
 SideKernel::Shares SideKernel::shares(double x, double y) const {

@@ -55,6 +55,9 @@ class SideKernel {
   /// Displacement of the surface by a unit force on it, between nodes: [3 nodes][3 nodes], x, y, z of each.
   const Eigen::MatrixXd& displacement() const { return displacement_; }
 
+  /// zz of it alone, [nodes][nodes].
+  const Eigen::MatrixXd& normal_displacement() const { return normal_; }
+
   /// Stress on the base at a place, rows sigma_z, tau_x, tau_y, by unit forces on the nodes: [3][3 nodes].
   Eigen::MatrixXd base_stress(double x, double y) const;
 
@@ -69,7 +72,7 @@ class SideKernel {
   SideMesh mesh_;
   Eigen::MatrixXd quarter_;  ///< [3 nodes][3 nodes of the quarter x > 0, y > 0]: columns of displacement_
   Eigen::MatrixXd base_;     ///< [3 base nodes][3 nodes of the quarter]: tau_x, tau_y, sigma_z
-  Eigen::MatrixXd displacement_;
+  Eigen::MatrixXd displacement_, normal_;
 };
 
 /// Whether the sides of a pad are free in its model.

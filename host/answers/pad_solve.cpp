@@ -70,7 +70,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   check_pad_options(options);
   if (fem::has_free_sides(scene.sensor) && options.precision == "fp32")
     throw ConfigError("command line", "--precision", "fp32",
-                      "fp64 where sensor.sides are free, which the host solves; the kernel solves sides that are held");
+                      "fp64 where sensor.sides are free: solve takes the host; sets of them take a device");
   scene.validate();
   PadOutcome outcome;
   outcome.scene = scene;

@@ -155,8 +155,8 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
               fmt::format("slide further than {}a tenth of their width: displacements are taken as small (docs/{}.md)",
                           set.pad ? "" : "an element and ", set.pad ? "pads" : "scenes"));
   of_contacts(set.near_edge,
-              "come nearer than the thickness to an edge of the pad, where the model has no free sides: `tactel solve` "
-              "refuses them; 1 in the column outside (docs/pads.md)");
+              "come nearer than the thickness to an edge of the pad, whose sides are held: sensor.sides = \"free\" is "
+              "right there; `tactel solve` refuses them; 1 in the column outside (docs/pads.md)");
   of_contacts(set.unseen,
               "stay farther than the thickness from every tactel, which hardly see them: the pitch exceeds two "
               "thicknesses; 2 in the column outside");

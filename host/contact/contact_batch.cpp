@@ -74,8 +74,14 @@ void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::span<c
 template <class Real>
 void ContactBatch<Real>::run(const RunOptions& options) {
   LaneState<Real>& b = *state_;
-  b.seconds = b.executor->run(b.jobs, options).seconds;
-  if (b.after.groups > 0) b.seconds += b.executor->run(b.after.launch, b.after.groups, options).seconds;
+  b.seconds = 0;
+  const std::shared_ptr<const void> borrowed = b.borrow ? b.borrow() : nullptr;
+  for (const std::vector<Job>& jobs : b.rounds) {
+    if (std::ranges::all_of(jobs, [](const Job& job) { return job.groups == 0; })) continue;
+    const RunReport report = b.executor->run(jobs, options);
+    b.seconds += report.seconds;
+    if (report.cancelled) break;
+  }
 }
 
 template <class Real>

@@ -187,9 +187,10 @@ struct LaneState {
   LaneArray<Real> path, input;
   std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
   LaneArray<Real> results, outputs, forces, patches;
-  Buffer<Real> shapes;    ///< numbers of shapes, where a kernel takes any
-  std::vector<Job> jobs;  ///< that run side by side
-  Job after;              ///< what runs after them, where groups > 0
+  Buffer<Real> shapes;                   ///< numbers of shapes, where a kernel takes any
+  std::vector<std::vector<Job>> rounds;  ///< one after another; the jobs of one side by side
+  /// Gives the jobs what they need for a run alone, until the result ends; none: nothing.
+  std::function<std::shared_ptr<const void>()> borrow{};
   /// Returns the answer of the kernel for scene `i` of a line.
   std::function<fem::ContactSolution(const LaneView<Real>& view, std::size_t i)> solution;
   double seconds = 0;

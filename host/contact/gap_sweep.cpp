@@ -282,7 +282,7 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
     kernel.set("nodes_out", b.forces.numbers);
     kernel.set("write_node_rows", std::int32_t(o.nodes));
   });
-  b.jobs = {{std::move(launch), b.groups}};
+  b.rounds = {{{std::move(launch), b.groups}}};
   b.solution = [sweep = state_](const LaneView<Real>& view, std::size_t i) { return sweep->solution(view, i); };
   return Batch(std::move(batch));
 }

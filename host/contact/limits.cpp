@@ -20,6 +20,7 @@ namespace {
 constexpr double share_of_contact = 0.1;  ///< of its width, over which the indenter may slide
 constexpr double most_stress_work = 1e9;  ///< fem::base_stress_work
 constexpr double at_edge = 1;             ///< thicknesses from an edge, below which contacts are refused
+constexpr double least_from_block = 2;    ///< H, where an end of the rubber moves a contact by some 0.5 %
 
 /// Error in S of lines without free sides, at a distance of the contact from the edge over the thickness: by the free
 /// sides of lines, nu 0.3 to 0.499 and contacts 1.2 H wide, 0.06 to 0.12 at 0.7 and 0.005 to 0.018 at 2.1; between them
@@ -44,33 +45,30 @@ fem::PadLayout lay(const fem::PadScene& scene, int cells) {
   return laid;
 }
 
-/// Throws ValueError for a contact that reaches nearly to where the block ends that stands for a longer pad.
-void refuse_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
-  constexpr double least = 2;  // H, where an end of the rubber moves a contact by some 0.5 %
+}  // namespace
+
+bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
   const auto& position = scene.indenter.position;
   const fem::PadSides sides = fem::sides_at(scene.sensor, {position[0], position[1]}, fem::SideBricks::usual);
   const fem::PadBox box = laid.box();
   const double H = sides.thickness, angle = fem::radians(laid.frame(scene.indenter));
   const std::array whole{*scene.sensor.length, *scene.sensor.width};
-  for (const double x : {box.x.left, box.x.right})
-    for (const double y : {box.y.left, box.y.right})
-      for (const int axis : {0, 1}) {
+  for (const int axis : {0, 1}) {
+    const double half = sides.kernel->sides()[axis] * H / 2, middle = sides.middle[axis];
+    if (whole[axis] / 2 - half < 1e-6 * H) continue;     // the block is the pad
+    const auto ends_near = [&](double end, double at) {  // an end of the block that is none of the pad
+      return std::abs(end) < whole[axis] / 2 - 1e-6 * H && std::abs(at - end) < least_from_block * H;
+    };
+    for (const double x : {box.x.left, box.x.right})
+      for (const double y : {box.y.left, box.y.right}) {
         const double at = position[axis] + (axis == 0 ? std::cos(angle) * x - std::sin(angle) * y
                                                       : std::sin(angle) * x + std::cos(angle) * y);
-        const double half = sides.kernel->sides()[axis] * H / 2, middle = sides.middle[axis];
-        const auto ends_near = [&](double end) {  // an end of the block that is none of the pad
-          return std::abs(end) < whole[axis] / 2 - 1e-6 * H && std::abs(at - end) < least * H;
-        };
-        if (ends_near(middle - half) || ends_near(middle + half) || std::abs(at - middle) > half + 1e-6 * H)
-          throw ValueError(
-              "sensor.sides", "free",
-              fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
-                          "free sides extend over {:g} mm at most",
-                          fem::longest_block * H, fem::longest_block, (fem::longest_block - 2 * least) * H));
+        if (ends_near(middle - half, at) || ends_near(middle + half, at) || std::abs(at - middle) > half + 1e-6 * H)
+          return true;
       }
+  }
+  return false;
 }
-
-}  // namespace
 
 bool too_deep(double thickness, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
@@ -92,7 +90,12 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
     throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
                      fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
                                  cells * least, cells * most, cells * laid.hx, cells * laid.hy));
-  if (fem::has_free_sides(scene.sensor)) refuse_beyond_block(scene, laid);
+  if (fem::has_free_sides(scene.sensor) && reaches_beyond_block(scene, laid))
+    throw ValueError(
+        "sensor.sides", "free",
+        fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
+                    "free sides extend over {:g} mm at most",
+                    fem::longest_block * H, fem::longest_block, (fem::longest_block - 2 * least_from_block) * H));
   if (scene.sensor.tactel_size > 0 && fem::base_stress_work(scene, laid) > most_stress_work)
     throw ValueError("sensor.tactel_size", fem::number_text(scene.sensor.tactel_size),
                      fmt::format("a side of fewer thicknesses ({:.3g} mm): the stress under {} x {} tactels of {:.3g} "

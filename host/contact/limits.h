@@ -22,9 +22,13 @@ double slip_limit(double contact_width);
 double slip_limit(const fem::Sensor& sensor, double contact_width);
 
 /// Throws ValueError, before any work, for a scene that would have no end on so many cells a side: key
-/// "indenter.shape" for a contact that is a needle or a plain to the rubber, "sensor.tactel_size" for tactels that take
-/// too many points of rubber so thin.
+/// "indenter.shape" for a contact that is a needle or a plain to the rubber, "sensor.sides" for one that
+/// reaches_beyond_block, "sensor.tactel_size" for tactels that take too many points of rubber so thin.
 void refuse_endless(const fem::PadScene& scene, int cells);
+
+/// Returns true for a contact that reaches nearly to where the block ends that stands for a longer pad with free sides
+/// (fem/pad/side_kernel.h).
+bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid);
 
 /// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
 /// gives no edges, or nothing is touched.

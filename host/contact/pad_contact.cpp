@@ -9,15 +9,19 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <tuple>
 
 #include "fem/angles.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/value_error.h"
+#include "host/contact/limits.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_search.h"
+#include "host/contact/pad_side_tables.h"
 #include "host/contact/strata.h"
+#include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 
@@ -25,8 +29,10 @@ namespace tactel::host {
 namespace {
 
 constexpr int pad_friction_strata = 4;
-constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
+constexpr std::size_t most_poissons = 32;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
+constexpr int free_sides = -1;             ///< the same: work-items are scenes whose sides are free
+constexpr double uniform_part = 0.4;       ///< H: of a cell under which two Gauss points give the base stress
 constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
 constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
@@ -36,7 +42,15 @@ struct OnCells {
   fem::PadCells cells;
   PadCellSize size;
   bool solvable = true;  ///< else some cells stand for those that the scene would need
+  // With free sides:
+  fem::PadSides sides{};
+  Eigen::MatrixXd heights{};                               ///< fem::heights_on_pad
+  Eigen::VectorXd softs{};                                 ///< fem::shared_compliances
+  std::shared_ptr<const std::vector<double>> influence{};  ///< of the layer: PadTables::influence
 };
+
+/// Frame of the cells on the pad.
+double frame_of(const OnCells& of) { return fem::radians(of.cells.frame(of.scene.indenter)); }
 
 /// Scenes in lanes. First groups of `vectors` vectors that share a table, then groups of a vector whose lanes have
 /// their own.
@@ -72,7 +86,8 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
   using Cost = std::tuple<int, std::size_t, int, int, double, std::size_t>;
   std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size, solvable] = on_cells[i];
+    const OnCells& of = on_cells[i];
+    const auto& [scene, cells, size] = std::tie(of.scene, of.cells, of.size);
     const double half_size = cells.half_size();
     by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
                                                         straightness(scene, half_size), half_size, i);
@@ -111,6 +126,15 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
   return lanes;
 }
 
+/// Scenes with free sides: each is a group.
+PadLanes each_alone(std::size_t scenes) {
+  PadLanes lanes;
+  lanes.in_lane.resize(scenes);
+  std::iota(lanes.in_lane.begin(), lanes.in_lane.end(), std::size_t{0});
+  lanes.own_groups = scenes;
+  return lanes;
+}
+
 template <class Real>
 Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
   if (numbers.empty()) numbers.resize(1);
@@ -122,7 +146,7 @@ Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
 template <class Real>
 struct PadContact<Real>::State {
   State(Executor& executor, const fem::PadOptions& given)
-      : executor(executor), options(given), search(executor, given.any_poisson) {
+      : executor(executor), options(given), search(executor, given.any_poisson), side_tables(executor.device()) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
       throw ValueError("cells", std::to_string(given.cells), "8, 12, 16 or 24");
@@ -144,20 +168,26 @@ struct PadContact<Real>::State {
   const Program& program(int vectors) {
     const std::lock_guard lock(making);
     auto& program = programs[vectors];
-    if (!program)
-      program = std::make_unique<Program>(device(), "pad_contact.cl",
-                                          Defines{{"REAL", real_type(precision())},
-                                                  {"LANES", std::to_string(width())},
-                                                  {"CELLS", std::to_string(options.cells)},
-                                                  {"VECTORS", std::to_string(std::max(vectors, 1))},
-                                                  {"OWN_TABLES", std::to_string(vectors == own_tables)}});
+    if (!program) {
+      const bool free = vectors == free_sides;
+      Defines defines{{"REAL", real_type(precision())},
+                      {"LANES", std::to_string(free ? 1 : width())},
+                      {"CELLS", std::to_string(options.cells)},
+                      {"VECTORS", std::to_string(std::max(vectors, 1))},
+                      {"OWN_TABLES", std::to_string(vectors == own_tables)}};
+      if (free)
+        for (const auto& define : Defines{{"FREE_SIDES", "1"}, {"WIDE", std::to_string(device().lanes(precision()))}})
+          defines.push_back(define);
+      program = std::make_unique<Program>(device(), "pad_contact.cl", defines);
+    }
     return *program;
   }
 
-  std::shared_ptr<const PadTables> tables(double poisson) {
+  std::shared_ptr<const PadTables> tables(double poisson, bool means = false) {
     const std::lock_guard lock(making);
     const bool exact = precision() == Precision::fp64;
-    if (options.any_poisson) {
+    auto& kept = means ? kept_means : kept_tables;
+    if (options.any_poisson && !means) {
       for (int k = static_cast<int>(points.size()); k < fem::poisson_points; ++k)
         points.push_back(std::make_shared<const PadTables>(fem::poisson_point(k), options.cells, exact));
       return std::make_shared<const PadTables>(poisson, points);
@@ -166,30 +196,39 @@ struct PadContact<Real>::State {
     if (found != kept.end()) {
       kept.splice(kept.begin(), kept, found);
     } else {
-      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, exact));
+      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, exact, means));
       if (kept.size() > most_poissons) kept.pop_back();
     }
     return kept.front();
   }
 
+  Buffer<Real> responses(const std::vector<OnCells>& on_cells, std::vector<std::int32_t>& response_of);
+  void lay_on_pad(Scenes& scenes, std::vector<OnCells>& all);
   std::vector<OnCells> on_cells(Scenes& scenes);
   LaneScenes<Real> numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes) const;
   Buffer<Real> shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
                              std::vector<std::int32_t>& table_of_group);
-  Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes);
+  Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes, std::size_t width);
+  LaneArray<Real> softs(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> heights(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
                          std::vector<Real>& stress_tables, std::vector<Real>& shares);
   void take_tactels(Laid& b) const;
-  Launch contact_launch(const Laid& b, int vectors, std::size_t first_vector);
+  Launch contact_launch(const Laid& b, int vectors, std::size_t first);
   Launch stress_launch(const Laid& b, int vectors);
+  void bind_sides(const Laid& b, KernelArguments& kernel) const;
+  Launch side_stress_launch(const Laid& b);
+  void put_free_jobs(Laid& b);
+  void put_held_jobs(Laid& b, const PadLanes& lanes);
+  std::size_t groups_at_once() const;
 
   Executor& executor;
   fem::PadOptions options;
   PadSearch<Real> search;
-  std::mutex making;                                     ///< of what is made at first use
-  std::map<int, std::unique_ptr<Program>> programs;      ///< by vectors, or own_tables
-  std::list<std::shared_ptr<const PadTables>> kept;      ///< the last used first
+  std::mutex making;                                                    ///< of what is made at first use
+  std::map<int, std::unique_ptr<Program>> programs;                     ///< by vectors, or own_tables
+  std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
+  PadSideTables<Real> side_tables;
   std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
 };
 
@@ -203,6 +242,13 @@ struct PadContact<Real>::Laid : LaneState<Real> {
   Buffer<Real> tables, own_tables, stress_tables, shares, points, weights;
   Buffer<std::int32_t> table_of_group;
   LaneArray<Real> heights, places, cell_forces;
+  // With free sides:
+  bool free = false;
+  Buffer<Real> between, responses;
+  Buffer<std::int32_t> response_of;
+  LaneArray<Real> softs;
+  std::array<int, 2> nodes{};
+  std::array<double, 2> sides{};  ///< of the block over H
 };
 
 template <class Real>
@@ -212,12 +258,45 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
   if (sensor.tactels != first.tactels || sensor.pitch != first.pitch || sensor.tactel_size != first.tactel_size ||
       TactelPoints::along(sensor) != TactelPoints::along(first))
     throw std::invalid_argument("PadContact: scenes with different tactels in one batch");
+  if (free_block(sensor) != free_block(first))
+    throw std::invalid_argument("PadContact: scenes with different free sides in one batch");
   all_.push_back({scene, std::move(path), cells});
+}
+
+/// The cells of scenes with free sides, by the twin's search.
+template <class Real>
+void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& all) {
+  const double poisson = scenes.all_.front().scene.sensor.poisson;
+  const fem::PadLayer layer = fem::pad_layer(poisson);
+  const std::shared_ptr<const PadTables> means = tables(poisson, true);
+  all.resize(scenes.all_.size());
+  side_by_side(all.size(), executor.threads(), [&](std::size_t i) {
+    auto& [scene, path, cells] = scenes.all_[i];
+    OnCells& to = all[i];
+    const auto& at = scene.indenter.position;
+    to.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual);
+    double depth = 0;
+    if (!cells) {
+      fem::PadLayout laid = fem::lay_cells_on_pad(scene, layer, options.cells, to.sides);
+      scene.indenter = std::move(laid.indenter), cells = laid.cells, depth = laid.depth;
+    }
+    const double H = scene.sensor.thickness;
+    to.solvable = fem::solvable(*cells, H, depth) && !reaches_beyond_block(scene, *cells);
+    if (!to.solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
+    to.scene = std::move(scene), to.cells = *cells, to.size = cell_size(*cells, H);
+    to.heights = fem::heights_on_pad(to.cells, to.scene), to.softs = fem::shared_compliances(to.cells, to.scene);
+    to.influence = means->influence(to.size);
+  });
 }
 
 /// The cells of each scene, and the tables that they need.
 template <class Real>
 std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
+  if (!scenes.all_.empty() && fem::has_free_sides(scenes.all_.front().scene.sensor)) {
+    std::vector<OnCells> all;
+    lay_on_pad(scenes, all);
+    return all;
+  }
   std::vector<const fem::PadScene*> searched;
   for (auto& [scene, path, cells] : scenes.all_) {
     if (cells) continue;
@@ -239,7 +318,7 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
     const bool solvable = fem::solvable(*cells, H, depth);
     if (!solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     const PadCellSize size = cell_size(*cells, H);
-    all.push_back({std::move(scene), *cells, size, solvable});
+    all.push_back({.scene = std::move(scene), .cells = *cells, .size = size, .solvable = solvable});
   }
   return all;
 }
@@ -249,7 +328,8 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   LaneScenes<Real> all;
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size, solvable] = on_cells[i];
+    const OnCells& of = on_cells[i];
+    const auto& [scene, cells, solvable, sides] = std::tie(of.scene, of.cells, of.solvable, of.sides);
     const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options, cells);
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
@@ -257,7 +337,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
                  .increments = static_cast<int>(path.size()),
                  .friction = scene.friction,
                  .young = scene.sensor.young});
-    const double H = scene.sensor.thickness, force = scene.sensor.young * H * H, yaw = fem::radians(scene.indenter.yaw),
+    const double H = scene.sensor.thickness, force = scene.sensor.young * H * H, yaw = frame_of(on_cells[i]),
                  cosine = std::cos(yaw), sine = std::sin(yaw);
     double input[PAD_INPUT_ROWS] = {};
     input[PAD_MU] = solvable ? scene.friction : std::numeric_limits<double>::quiet_NaN();  // which is no scene
@@ -265,6 +345,10 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
     input[PAD_X_MIDDLE] = cells.x_middle / H, input[PAD_Y_MIDDLE] = cells.y_middle / H;
     input[PAD_FORCE] = force, input[PAD_THICKNESS] = H;
     input[PAD_COSINE] = cosine, input[PAD_SINE] = sine, input[PAD_BY_FORCE] = by_force(scene);
+    if (sides.kernel) {
+      const Eigen::Vector2d at = sides.in_block({scene.indenter.position[0], scene.indenter.position[1]});
+      input[PAD_BLOCK_X] = at[0], input[PAD_BLOCK_Y] = at[1];
+    }
     for (const double number : input) put(all.inputs, number);
     int slot = 0;
     for (const auto& [to, asked] : path) {
@@ -296,17 +380,18 @@ Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& 
 }
 
 template <class Real>
-Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes) {
+Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
+                                                      std::size_t width) {
   const std::size_t side = static_cast<std::size_t>(options.cells) + 1,
                     rows = PAD_TABLE_HEAD + side * side * PAD_OWN_INFLUENCE;
-  const std::size_t first = lanes.in_lane.size() - lanes.own_groups * width();
-  LaneArray<Real> array(device(), lanes.own_groups * width(), width(), 1, rows);
+  const std::size_t first = lanes.in_lane.size() - lanes.own_groups * width;
+  LaneArray<Real> array(device(), lanes.own_groups * width, width, 1, rows);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(1));  // lanes without a scene: no zeros to divide by
   for (std::size_t lane = first; lane < lanes.in_lane.size(); ++lane) {
     if (lanes.in_lane[lane] == no_scene) continue;
     const OnCells& of = on_cells[lanes.in_lane[lane]];
-    const auto table = tables(of.scene.sensor.poisson)->influence(of.size);
+    const auto table = of.influence ? of.influence : tables(of.scene.sensor.poisson)->influence(of.size);
     const std::vector<Real> numbers(table->begin(), table->end());
     array.put(all.view(), lane - first, std::span(numbers));
   }
@@ -317,20 +402,51 @@ template <class Real>
 LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_cells,
                                                  const LaneState<Real>& lanes) const {
   const int ring = options.cells + 2;
-  LaneArray<Real> array(device(), lanes.lanes, width(), 1, static_cast<std::size_t>(ring) * ring);
+  LaneArray<Real> array(device(), lanes.lanes, lanes.input.tile, 1, static_cast<std::size_t>(ring) * ring);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size, solvable] = on_cells[i];
-    const Eigen::MatrixXd h = fem::cell_heights(cells, scene.indenter);
+    const OnCells& of = on_cells[i];
+    const Eigen::MatrixXd h = of.sides.kernel ? of.heights : fem::cell_heights(of.cells, of.scene.indenter);
     numbers.clear();
     for (int k = 0; k < ring * ring; ++k)
-      numbers.push_back(
-          static_cast<Real>(std::min(h(k / ring, k % ring) / scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
+      numbers.push_back(static_cast<Real>(
+          std::min(h(k / ring, k % ring) / of.scene.sensor.thickness, static_cast<double>(PAD_OPEN))));
     array.put(all.view(), lanes.place[i], std::span(numbers));
   }
   return array;
+}
+
+/// Compliances that cells have of their own, over H.
+template <class Real>
+LaneArray<Real> PadContact<Real>::State::softs(const std::vector<OnCells>& on_cells,
+                                               const LaneState<Real>& lanes) const {
+  LaneArray<Real> array(device(), lanes.lanes, 1, 1, count());
+  const auto all = array.numbers.map(MapFor::writing);
+  for (const std::size_t i : lanes.order) {
+    const OnCells& of = on_cells[i];
+    const Eigen::VectorXd own = of.softs / of.scene.sensor.thickness;
+    const std::vector<Real> numbers(own.begin(), own.end());
+    array.put(all.view(), lanes.place[i], std::span(numbers));
+  }
+  return array;
+}
+
+template <class Real>
+Buffer<Real> PadContact<Real>::State::responses(const std::vector<OnCells>& on_cells,
+                                                std::vector<std::int32_t>& response_of) {
+  std::map<std::pair<double, double>, std::int32_t> places;
+  std::vector<Real> all;
+  for (const OnCells& of : on_cells) {
+    const Eigen::Vector2d& middle = of.sides.middle;
+    const auto [place, is_new] = places.try_emplace({middle[0], middle[1]}, static_cast<std::int32_t>(places.size()));
+    response_of.push_back(place->second);
+    if (!is_new) continue;
+    const auto numbers = side_tables.response(of.scene.sensor, of.sides);
+    all.insert(all.end(), numbers->begin(), numbers->end());
+  }
+  return buffer_of(device(), std::move(all));
 }
 
 /// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios,
@@ -342,25 +458,30 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
   std::map<double, std::size_t> rows;
+  const bool free = !on_cells.empty() && on_cells.front().sides.kernel;
   std::map<double, std::pair<std::size_t, std::size_t>> points;  // of a side: first, number
   const auto points_of = [&](double side) {
     const auto [at, is_new] = points.try_emplace(side);
     if (!is_new) return at->second;
     std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side);
-    if (all.size() == 1) all = {{-0.5 / std::numbers::sqrt3, 0.5}, {0.5 / std::numbers::sqrt3, 0.5}};  // Gauss's points
+    const int uniform = free ? static_cast<int>(std::ceil(side / uniform_part)) : all.size() == 1 ? 1 : 0;
+    if (uniform > 0) all.clear();
+    for (int k = 0; k < uniform; ++k)  // Gauss's points
+      for (const double at : {-0.5 / std::numbers::sqrt3, 0.5 / std::numbers::sqrt3})
+        all.push_back({at / uniform + (k - (uniform - 1) / 2.0) / uniform, 0.5 / uniform});
     at->second = {shares.size() / 2, all.size()};
     for (const auto& [place, share] : all)
       shares.insert(shares.end(), {static_cast<Real>(place), static_cast<Real>(share)});
     return at->second;
   };
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size, solvable] = on_cells[i];
+    const auto& [scene, cells, size] = std::tie(on_cells[i].scene, on_cells[i].cells, on_cells[i].size);
     const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
     if (is_new) {
       for (const double number : tables(scene.sensor.poisson)->stress())
         stress_tables.push_back(static_cast<Real>(number));
     }
-    const double H = scene.sensor.thickness, yaw = fem::radians(scene.indenter.yaw);
+    const double H = scene.sensor.thickness, yaw = frame_of(on_cells[i]);
     double place[PAD_PLACE_ROWS] = {};
     place[PAD_PLACE_X] = scene.indenter.position[0] / H, place[PAD_PLACE_Y] = scene.indenter.position[1] / H;
     place[PAD_PLACE_COSINE] = std::cos(yaw), place[PAD_PLACE_SINE] = std::sin(yaw);
@@ -395,11 +516,20 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
 }
 
 template <class Real>
-Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first_vector) {
-  return executor.prepare(program(vectors), "pad_contact", [&](KernelArguments& kernel) {
-    kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
-    kernel.set("table_of", b.table_of_group);
-    kernel.set("first_vector", std::int32_t(first_vector));
+Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first) {
+  return executor.prepare(program(vectors), b.free ? "pad_free_contact" : "pad_contact", [&](KernelArguments& kernel) {
+    if (b.free) {
+      kernel.set("pairs", b.between);  // until it is run
+      kernel.set("layers", b.own_tables);
+      kernel.set("softs", b.softs.numbers);
+      kernel.set("between", b.between);
+      bind_sides(b, kernel);
+      kernel.set("first_scene", std::int32_t(first));
+    } else {
+      kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
+      kernel.set("table_of", b.table_of_group);
+      kernel.set("first_vector", std::int32_t(first));
+    }
     kernel.set("lane_input", b.input.numbers);
     kernel.set("path", b.path.numbers);
     kernel.set("heights", b.heights.numbers);
@@ -433,6 +563,76 @@ Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
 }
 
 template <class Real>
+void PadContact<Real>::State::bind_sides(const Laid& b, KernelArguments& kernel) const {
+  kernel.set("nodes_x", std::int32_t(b.nodes[0]));
+  kernel.set("nodes_y", std::int32_t(b.nodes[1]));
+  kernel.set("side_x", Real(b.sides[0]));
+  kernel.set("side_y", Real(b.sides[1]));
+}
+
+template <class Real>
+Launch PadContact<Real>::State::side_stress_launch(const Laid& b) {
+  return executor.prepare(program(free_sides), "pad_side_stress", [&](KernelArguments& kernel) {
+    kernel.set("responses", b.responses);
+    kernel.set("response_of", b.response_of);
+    bind_sides(b, kernel);
+    kernel.set("lane_input", b.input.numbers);
+    kernel.set("places", b.places.numbers);
+    kernel.set("tactels", std::int32_t(b.tactels));
+    kernel.set("slots", std::int32_t(b.steps));
+    kernel.set("forces", b.cell_forces.numbers);
+    kernel.set("stress", b.outputs.numbers);
+  });
+}
+
+/// Numbers of a scene's table of pairs, as kernels/pad/free_sides.h has them.
+std::size_t pair_numbers(std::size_t cells) {
+  const std::size_t count = cells * cells, span = 2 * cells + 1;
+  return 9 * count * count + 4 * (cells + 1) * 3 * count + 9 * span * span + 16 * count +
+         std::size_t{MOST_SIDE_NODES} * MOST_SIDE_NODES * PAD_BLOCK;
+}
+
+/// Scenes with free sides whose tables are in memory: some 128 MB on a processor, which has few at work, and what a
+/// GPU can spare.
+template <class Real>
+std::size_t PadContact<Real>::State::groups_at_once() const {
+  const std::size_t on_host = std::size_t{1} << 27;
+  const std::size_t bytes = device().info().type == DeviceType::gpu ? memory_of(device().info()) / 4 : on_host;
+  return std::max<std::size_t>(8, bytes / (sizeof(Real) * pair_numbers(static_cast<std::size_t>(options.cells))));
+}
+
+template <class Real>
+void PadContact<Real>::State::put_free_jobs(Laid& b) {
+  const fem::PadSides& sides = b.on_cells.front().sides;
+  b.nodes = sides.kernel->mesh().cells, b.sides = sides.kernel->sides();
+  b.between = side_tables.between(sides);
+  std::vector<std::int32_t> response_of;
+  b.responses = responses(b.on_cells, response_of);
+  b.response_of = Buffer<std::int32_t>(device(), std::span<const std::int32_t>(response_of));
+  b.softs = softs(b.on_cells, b);
+  const std::size_t at_once = std::min(groups_at_once(), b.lanes);
+  b.borrow = [&b, this, size = at_once * pair_numbers(static_cast<std::size_t>(options.cells))] {
+    auto lent = side_tables.borrow(size);
+    for (auto& jobs : b.rounds)
+      if (Launch& launch = jobs.front().launch; launch.kernel() == "pad_free_contact") launch.set("pairs", *lent);
+    return lent;
+  };
+  for (std::size_t first = 0; first < b.lanes; first += at_once)
+    b.rounds.push_back({{contact_launch(b, free_sides, first), std::min(at_once, b.lanes - first)}});
+  b.rounds.push_back({{stress_launch(b, own_tables), b.stress_groups}});
+  b.rounds.push_back({{side_stress_launch(b), b.lanes}});
+}
+
+template <class Real>
+void PadContact<Real>::State::put_held_jobs(Laid& b, const PadLanes& lanes) {
+  auto& jobs = b.rounds.emplace_back();
+  if (lanes.own_groups > 0)  // first, for they take longer
+    jobs.push_back({contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
+  if (lanes.groups > 0) jobs.push_back({contact_launch(b, lanes.vectors, 0), lanes.groups});
+  b.rounds.push_back({{stress_launch(b, lanes.own_groups > 0 ? own_tables : lanes.vectors), b.stress_groups}});
+}
+
+template <class Real>
 PadContact<Real>::PadContact(Executor& executor, const fem::PadOptions& options)
     : state_(std::make_shared<State>(executor, options)) {}
 
@@ -454,8 +654,16 @@ std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(double poisson) con
 
 template <class Real>
 std::size_t PadContact<Real>::most_lane_steps() const {
-  constexpr std::size_t most_numbers = std::size_t{1} << 25;
-  return most_numbers / (3 * state_->count());
+  constexpr std::size_t most_numbers = std::size_t{1} << 25, most_with_responses = 4096;
+  const std::size_t most = most_numbers / (3 * state_->count());
+  return long_pads_ ? std::min(most, most_with_responses) : most;
+}
+
+template <class Real>
+PadContact<Real> PadContact<Real>::for_long_pads() const {
+  PadContact other = *this;
+  other.long_pads_ = true;
+  return other;
 }
 
 template <class Real>
@@ -476,13 +684,16 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.contact = state_;
   b.on_cells = s.on_cells(scenes);
   LaneScenes<Real> numbers = s.numbers(b.on_cells, scenes);
-  const PadLanes lanes = in_lanes<Real>(b.on_cells, numbers.scenes, s.options, s.width());
-  b.lay_out(s.executor, std::move(numbers), lanes.in_lane, s.width(), 1, PAD_INPUT_ROWS, PAD_PATH_ROWS);
+  b.free = !b.on_cells.empty() && b.on_cells.front().sides.kernel;
+  const std::size_t width = b.free ? 1 : s.width();
+  const PadLanes lanes =
+      b.free ? each_alone(b.on_cells.size()) : in_lanes<Real>(b.on_cells, numbers.scenes, s.options, width);
+  b.lay_out(s.executor, std::move(numbers), lanes.in_lane, width, 1, PAD_INPUT_ROWS, PAD_PATH_ROWS);
 
   std::vector<std::int32_t> table_of_group;
   b.tables = s.shared_tables(b.on_cells, lanes, table_of_group);
   b.table_of_group = buffer_of(s.device(), std::move(table_of_group));
-  b.own_tables = s.tables_of_lanes(b.on_cells, lanes);
+  b.own_tables = s.tables_of_lanes(b.on_cells, lanes, width);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
   std::vector<Real> stress_tables, shares;
@@ -497,11 +708,8 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.cell_forces = outputs(3 * s.count());
   b.results = outputs(PAD_RESULT_ROWS), b.outputs = outputs(3 * static_cast<std::size_t>(b.tactels));
   b.forces = forces ? b.cell_forces : outputs(0, false), b.patches = outputs(0, false);
-  if (lanes.own_groups > 0)  // first, for they take longer
-    b.jobs.push_back({s.contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
-  if (lanes.groups > 0) b.jobs.push_back({s.contact_launch(b, lanes.vectors, 0), lanes.groups});
   b.stress_groups = b.lanes * ((b.tactels + s.width() - 1) / s.width());
-  b.after = {s.stress_launch(b, lanes.own_groups > 0 ? own_tables : lanes.vectors), b.stress_groups};
+  b.free ? s.put_free_jobs(b) : s.put_held_jobs(b, lanes);
   if (!forces) b.on_cells.clear();
   return Batch(std::move(laid));
 }
@@ -516,8 +724,14 @@ double PadContact<Real>::Batch::filled() const {
 
 template <class Real>
 void PadContact<Real>::Batch::set_parts(bool base_stress) {
-  laid_->after.groups = base_stress ? laid_->stress_groups : 0;
-  for (Job& job : laid_->jobs) job.launch.set("write_forces", std::int32_t(base_stress));
+  for (std::vector<Job>& jobs : laid_->rounds)
+    for (Job& job : jobs) {
+      const std::string& kernel = job.launch.kernel();
+      if (kernel == "pad_contact" || kernel == "pad_free_contact")
+        job.launch.set("write_forces", std::int32_t(base_stress));
+      if (kernel == "pad_base_stress") job.groups = base_stress ? laid_->stress_groups : 0;
+      if (kernel == "pad_side_stress") job.groups = base_stress ? laid_->lanes : 0;
+    }
 }
 
 template <class Real>
@@ -536,7 +750,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
   const fem::PadScene& scene = this->scene(i);
   const fem::PadCells& cells = this->cells(i);
   const Eigen::Index count = cells.count();
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(fem::radians(scene.indenter.yaw)).toRotationMatrix();
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(frame_of(laid_->on_cells[i])).toRotationMatrix();
   const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);
   const LaneAnswer answer = view.answer(i);
   const bool solvable = laid_->on_cells[i].solvable;  // else nothing was written but the results
@@ -573,6 +787,11 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
     solution.steps.push_back(std::move(step));
   }
   return solution;
+}
+
+std::array<double, 4> free_block(const fem::PadSensor& sensor) {
+  if (!fem::has_free_sides(sensor)) return {};
+  return {*sensor.length, *sensor.width, sensor.thickness, sensor.poisson};
 }
 
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu) {

@@ -18,6 +18,10 @@ struct PadPath {
   std::vector<fem::PadTarget> steps;
 };
 
+/// What scenes of one launch have in common where sides are free: length, width, thickness (mm), Poisson's ratio; else
+/// 0.
+std::array<double, 4> free_block(const fem::PadSensor& sensor);
+
 /// Returns the sides -x, +x, -y, +y of its own frame beyond which the surface is penetrated: there its cells must grow.
 std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
 
@@ -25,9 +29,10 @@ std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu);
 
 /// Contact of scenes on pads, each on its own cells over what its indenter touches; a scene whose cells are not
-/// fem::solvable gets LANE_INVALID. Sensors may differ in thickness,
-/// E and Poisson's ratio, not in their tactels. Scenes whose cells have one size over the thickness, and one Poisson's
-/// ratio, share a group; others have tables of their own. Tables and programs for one precision. Cheap to copy.
+/// fem::solvable, or that reaches_beyond_block (limits.h), gets LANE_INVALID. Sensors may differ in thickness,
+/// E and Poisson's ratio, not in their tactels; with free sides in E alone. Scenes whose cells have one size over the
+/// thickness, and one Poisson's ratio, share a group; others have tables of their own, and all with free sides. Tables
+/// and programs for one precision. Cheap to copy.
 template <class Real>
 class PadContact {
   struct State;
@@ -84,9 +89,13 @@ class PadContact {
   std::shared_ptr<const fem::PadLayer> layer(double poisson) const;
   /// Load steps of a launch, at most: some 130 MB of forces.
   std::size_t most_lane_steps() const;
+  /// Returns the same with fewer load steps a launch, for pads whose block is not the same everywhere: each scene has
+  /// its own responses, some 0.3 MB.
+  PadContact for_long_pads() const;
 
  private:
   std::shared_ptr<State> state_;
+  bool long_pads_ = false;
 };
 
 extern template class PadContact<float>;

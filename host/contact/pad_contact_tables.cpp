@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
@@ -77,10 +79,11 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
   return {rounded_side(cells.hx, thickness), rounded_side(cells.hy, thickness)};
 }
 
-PadTables::PadTables(double poisson, int cells, bool exact)
+PadTables::PadTables(double poisson, int cells, bool exact, bool means)
     : poisson_(poisson),
       cells_(cells),
       exact_(exact),
+      means_(means),
       layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
       stress_(stress_table(*layer_)) {}
 
@@ -97,7 +100,8 @@ std::vector<double> PadTables::stress() const {
 }
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
-  const std::vector<fem::CellInfluence> all = layer_->influences(1, size.hx, size.hy, cells_);
+  const std::vector<fem::CellInfluence> all =
+      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_);
   const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   const auto unit = units(zz, tt);
@@ -110,6 +114,21 @@ std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
     for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) row[k] /= unit[k];
     row += PAD_OWN_INFLUENCE;
   }
+  return table;
+}
+
+/// Returns the table of cells with x and y exchanged.
+std::vector<double> PadTables::turned(const std::vector<double>& of) const {
+  std::vector<double> table = of;
+  std::swap(table[PAD_HX], table[PAD_HY]);
+  const int side = cells_ + 1;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double* from = &of[PAD_TABLE_HEAD + static_cast<std::size_t>(j * side + i) * PAD_OWN_INFLUENCE];
+      double* to = &table[PAD_TABLE_HEAD + static_cast<std::size_t>(i * side + j) * PAD_OWN_INFLUENCE];
+      std::copy_n(from, PAD_OWN_INFLUENCE, to);
+      std::swap(to[PAD_XX], to[PAD_YY]), std::swap(to[PAD_XZ], to[PAD_YZ]);
+    }
   return table;
 }
 
@@ -160,7 +179,9 @@ std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize
     const std::lock_guard lock(making_);
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
-  auto made = std::make_shared<const std::vector<double>>(make_influence(size));
+  const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
+  auto made =
+      std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx})) : make_influence(size));
   const std::lock_guard lock(making_);
   if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;

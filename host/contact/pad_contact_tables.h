@@ -25,9 +25,10 @@ class PadTables {
   /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
 
-  /// Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
-  /// of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
-  PadTables(double poisson, int cells, bool exact);
+  /// `means`: displacements are means over cells (fem/pad/layer_means.h), as free sides need them, not values at their
+  /// middles. Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right
+  /// to 1e-4 of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
+  PadTables(double poisson, int cells, bool exact, bool means = false);
   /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
   PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);
 
@@ -44,6 +45,7 @@ class PadTables {
 
  private:
   std::vector<double> make_influence(const PadCellSize& size) const;
+  std::vector<double> turned(const std::vector<double>& of) const;
   std::vector<double> between_rungs(const PadCellSize& size) const;
   /// The influence of cells with both sides on rungs, which is kept.
   std::shared_ptr<const std::vector<double>> on_rungs(const PadCellSize& size) const;
@@ -53,7 +55,7 @@ class PadTables {
 
   double poisson_;
   int cells_;
-  bool exact_;
+  bool exact_, means_ = false;
   std::vector<std::shared_ptr<const PadTables>> points_;
   std::shared_ptr<const fem::PadLayer> layer_;
   std::vector<double> stress_;

@@ -21,37 +21,14 @@ constexpr int finest_cells = 24;
 
 bool any(const std::array<bool, 4>& sides) { return std::ranges::find(sides, true) != sides.end(); }
 
-/// A launch of no kernel: of scenes that the host solves, all of them again.
-class NoLaunch final : public ContactLaunch<PadContacts> {
- public:
-  void add(const fem::PadScene&, const PadPath& path) override { steps_.push_back(path.steps.size()); }
-  void lay_out() override {}
-  void run(const RunOptions&) override {}
-  void open() override {}
-  LaneAnswer answer(std::size_t i) const override {
-    LaneAnswer none{};
-    none.steps = static_cast<int>(steps_[i]);
-    return none;
-  }
-  std::span<const std::size_t> by_lane() const override { return {}; }
-  std::size_t steps() const override { return std::accumulate(steps_.begin(), steps_.end(), std::size_t{0}); }
-  double seconds() const override { return 0; }
-
- private:
-  std::vector<std::size_t> steps_;  ///< [scenes]
-};
-
 template <class Real>
 class OnPads final : public SensorSolver<PadContacts> {
  public:
-  OnPads(const PadContact<Real>& contact, bool free_sides) : contact_(contact), free_sides_(free_sides) {}
+  explicit OnPads(const PadContact<Real>& contact) : contact_(contact) {}
   std::unique_ptr<ContactLaunch<PadContacts>> launch() const override {
-    if (free_sides_) return std::make_unique<NoLaunch>();
     return std::make_unique<LaunchOf<PadContacts, PadContact<Real>>>(contact_);
   }
-  bool holds(const LaneAnswer& answer) const override {
-    return !free_sides_ && answer.solved() && !any(penetrated_sides(answer));
-  }
+  bool holds(const LaneAnswer& answer) const override { return answer.solved() && !any(penetrated_sides(answer)); }
   std::vector<fem::PadSolution> solve(std::span<const fem::PadScene> scenes,
                                       std::span<const LaneAnswer>) const override {
     return solve_pad_contact(contact_, scenes);
@@ -59,14 +36,12 @@ class OnPads final : public SensorSolver<PadContacts> {
 
  private:
   PadContact<Real> contact_;
-  bool free_sides_;
 };
 
 /// Solves by the twin what the kernel did not.
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
   const bool free_sides = fem::has_free_sides(scene.sensor);
-  if (free_sides) refuse_endless(scene, contact.options().cells);
   const auto layer = free_sides ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene.sensor.poisson))
                                 : contact.layer(scene.sensor.poisson);
   fem::PadOptions exact = contact.options();
@@ -114,15 +89,19 @@ PadContacts::PadContacts(Executor& executor, const PadModel& model)
                                                   : decltype(contact_)(PadContact<double>(executor, model.options))) {}
 
 PadKey PadContacts::key(const fem::PadSensor& s, ContactKind) {
-  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s), fem::has_free_sides(s)}};
+  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s), free_block(s)}};
 }
 
 std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::PadSensor& sensor) const {
   return std::visit(
       [&]<class Real>(const PadContact<Real>& contact) -> std::shared_ptr<const SensorSolver<PadContacts>> {
-        const bool free_sides = fem::has_free_sides(sensor);
-        if (!free_sides) contact.layer(sensor.poisson);
-        return std::make_shared<OnPads<Real>>(contact, free_sides);
+        if (fem::has_free_sides(sensor))
+          fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual);
+        else
+          contact.layer(sensor.poisson);
+        const bool is_long = fem::has_free_sides(sensor) &&
+                             std::max(*sensor.length, *sensor.width) > fem::longest_block * sensor.thickness;
+        return std::make_shared<OnPads<Real>>(is_long ? contact.for_long_pads() : contact);
       },
       contact_);
 }
@@ -142,15 +121,6 @@ template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells) {
   const fem::PadOptions& options = contact.options();
-  const auto is_free = [](const fem::PadScene& scene) { return fem::has_free_sides(scene.sensor); };
-  if (const auto free = std::ranges::count_if(scenes, is_free); free > 0) {
-    if (static_cast<std::size_t>(free) < scenes.size() || !cells.empty())
-      throw std::invalid_argument("solve_pad_contact: the kernel has no free sides");
-    std::vector<fem::PadSolution> solutions(scenes.size());
-    side_by_side(scenes.size(), contact.executor().threads(),
-                 [&](std::size_t k) { solutions[k] = by_twin(contact, scenes[k]); });
-    return solutions;
-  }
   std::vector<fem::PadSolution> solutions(scenes.size());
   std::span<const fem::PadScene> now = scenes;
   std::vector<fem::PadScene> again;

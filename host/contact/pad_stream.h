@@ -21,9 +21,9 @@ struct PadModel {
 };
 PadModel model_of(const PadRung& rung);
 
-/// What scenes of one launch have in common: the tactels, how many points make one, and whether sides are free.
+/// What scenes of one launch have in common: the tactels, how many points make one, and free_block.
 struct PadKey {
-  std::tuple<std::array<int, 2>, std::array<double, 2>, double, int, bool> sensor{};
+  std::tuple<std::array<int, 2>, std::array<double, 2>, double, int, std::array<double, 4>> sensor{};
   auto operator<=>(const PadKey&) const = default;
 };
 
@@ -62,10 +62,9 @@ bool every_step_converged(const fem::PadSolution& solution);
 
 /// Solves scenes in their order; `cells` as PadContact::prepare. Where the surface is penetrated beyond the cells, they
 /// grow, and the scene is solved again. Without `cells`, coarse steps of the pressing are solved alone
-/// (fem/pad/pad_presses.h). A scene with free sides, which the kernel does not know, or with a step over tolerance
+/// (fem/pad/pad_presses.h). A scene with a step over tolerance
 /// after that is solved by the twin in fp64, to a sweep tolerance of 1e-6 or the kernel's, if that is finer, if need be
-/// on 24 x 24 cells, and has fell_back = true. Steps that still miss their tolerance have converged = false. Throws
-/// ValueError as refuse_endless for free sides.
+/// on 24 x 24 cells, and has fell_back = true. Steps that still miss their tolerance have converged = false.
 template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells = {});

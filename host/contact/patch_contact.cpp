@@ -283,7 +283,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
     kernel.set("stress", b.outputs.numbers);
     kernel.set("patches", b.patches.numbers);
   });
-  b.jobs = {{std::move(launch), b.groups}};
+  b.rounds = {{{std::move(launch), b.groups}}};
   b.solution = [contact = state_, forces](const LaneView<Real>& view, std::size_t i) {
     if (!forces) throw std::logic_error("PatchContact: a solution of a batch without forces");
     return contact->solution(view, i);
@@ -294,7 +294,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
 template <class Real>
 void PatchContact<Real>::set_parts(Batch& batch, bool path, bool base_stress) {
   LaneState<Real>& b = *batch.state();
-  Launch& launch = b.jobs.front().launch;
+  Launch& launch = b.rounds.front().front().launch;
   launch.set("increments", std::int32_t(path ? b.increments : 0));
   launch.set("outputs", std::int32_t(path && base_stress ? b.outputs.rows : 0));
 }

@@ -101,7 +101,7 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
-  // Sets of free sides are solved on the host, some 50 times slower: they are asked for.
+  // Contacts with free sides take some ten times longer: they are asked for.
   if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
   return scene;
 }

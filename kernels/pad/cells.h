@@ -17,14 +17,32 @@
 #define DENSE 0
 #endif
 
+/* FREE_SIDES 1, of contacts: each scene has a table of all pairs of its own cells, and is a work-item (free_sides.h). */
+#ifndef FREE_SIDES
+#define FREE_SIDES 0
+#endif
+#define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
+
 #define COUNT (CELLS * CELLS)
 #define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
 #define RING (CELLS + 2)
+#define RING_PLACES (4 * (CELLS + 1))
 #define EACH_VECTOR(v) EACH(v, VECTORS)
 #define TURN(sum) sum.v[0] = -sum.v[0]
 #define TURN_X(s) TURN(s.zx), TURN(s.xn), TURN(s.xy), TURN(s.yx)
 #define TURN_Y(s) TURN(s.zy), TURN(s.yn), TURN(s.xy), TURN(s.yx)
 #define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
+
+/* Place k of the ring, once round. */
+static inline void ring_place(int k, int *ix, int *iy) {
+  const int side = k / (CELLS + 1), along = k % (CELLS + 1);
+  *ix = side == 0 ? along - 1 : side == 1 ? CELLS : side == 2 ? CELLS - along : -1;
+  *iy = side == 0 ? -1 : side == 1 ? along - 1 : side == 2 ? CELLS : CELLS - along;
+}
+
+#if FREE_SIDES
+#include "pad/free_sides.h"
+#endif
 
 /* One number of each scene. */
 typedef struct {
@@ -43,11 +61,16 @@ typedef struct {
   Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
   int list[COUNT], at[COUNT], listed; /* cells in the window of lanes that sweep: index, place in a shared table */
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
-#if STEPPED
-  Lanes soft[COUNT];                        /* compliance of its own that a cell adds, over that of a cell on itself */
+#if OWN_ROWS
   Lanes per_own_n[COUNT], per_own_t[COUNT]; /* 1 / all that a cell does to itself: rows of a sweep are divided by it */
-  Masks near[COUNT];                        /* of each lane: cells that the indenter may touch */
-  int near_list[COUNT], nears;              /* those of any lane */
+#endif
+#if FREE_SIDES
+  int block[BLOCKS], blocks; /* of SUMMANDS cells, those with cells in the list */
+#endif
+#if STEPPED
+  Lanes soft[COUNT];           /* compliance of its own that a cell adds, over that of a cell on itself */
+  Masks near[COUNT];           /* of each lane: cells that the indenter may touch */
+  int near_list[COUNT], nears; /* those of any lane */
 #endif
 } Cells;
 
@@ -133,6 +156,51 @@ INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
   }
 }
 
+#if FREE_SIDES
+/* Displacement along z at place k of the ring by the cells listed. */
+INLINE real displacement_of_ring(const Influence *influence, const Cells *c, int k) {
+  global const real *row = influence->table + RING_AT + (size_t)3 * COUNT * k;
+  wide sum[PARTS];
+  EACH(p, PARTS) { sum[p] = 0; }
+  ROLLED for (int b = 0; b < c->blocks; ++b) EACH(p, PARTS) {
+    const int j = SUMMANDS * c->block[b] + p * WIDE;
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZN * COUNT + j), LOAD_WIDE((const real *)c->n + j), sum[p]);
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZX * COUNT + j), LOAD_WIDE((const real *)c->tx + j), sum[p]);
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZY * COUNT + j), LOAD_WIDE((const real *)c->ty + j), sum[p]);
+  }
+  return -sum_of(sum);
+}
+
+/* Displacement at a cell by the cells listed. */
+INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
+  global const real *row = influence->table + (size_t)PAIR_PLANES * COUNT * (ix * CELLS + iy);
+  wide z_sum[PARTS], x_sum[PARTS], y_sum[PARTS];
+  wide zn[PARTS], zx[PARTS], zy[PARTS], xx[PARTS], xy[PARTS], xn[PARTS], yx[PARTS], yy[PARTS], yn[PARTS];
+  EACH(p, PARTS) { zn[p] = zx[p] = zy[p] = xx[p] = xy[p] = xn[p] = yx[p] = yy[p] = yn[p] = 0; }
+  ROLLED for (int b = 0; b < c->blocks; ++b) EACH(p, PARTS) {
+    const int j = SUMMANDS * c->block[b] + p * WIDE;
+    const wide n = LOAD_WIDE((const real *)c->n + j), tx = LOAD_WIDE((const real *)c->tx + j),
+               ty = LOAD_WIDE((const real *)c->ty + j);
+    zn[p] = fma(LOAD_WIDE(row + PLANE_ZN * COUNT + j), n, zn[p]);
+    zx[p] = fma(LOAD_WIDE(row + PLANE_ZX * COUNT + j), tx, zx[p]);
+    zy[p] = fma(LOAD_WIDE(row + PLANE_ZY * COUNT + j), ty, zy[p]);
+    xx[p] = fma(LOAD_WIDE(row + PLANE_XX * COUNT + j), tx, xx[p]);
+    xy[p] = fma(LOAD_WIDE(row + PLANE_XY * COUNT + j), ty, xy[p]);
+    xn[p] = fma(LOAD_WIDE(row + PLANE_XN * COUNT + j), n, xn[p]);
+    yx[p] = fma(LOAD_WIDE(row + PLANE_YX * COUNT + j), tx, yx[p]);
+    yy[p] = fma(LOAD_WIDE(row + PLANE_YY * COUNT + j), ty, yy[p]);
+    yn[p] = fma(LOAD_WIDE(row + PLANE_YN * COUNT + j), n, yn[p]);
+  }
+  EACH(p, PARTS) {
+    x_sum[p] = xx[p] + xy[p] - xn[p];
+    y_sum[p] = yx[p] + yy[p] - yn[p];
+    z_sum[p] = zn[p] + zx[p] + zy[p];
+  }
+  x->v[0] = sum_of(x_sum);
+  y->v[0] = sum_of(y_sum);
+  z->v[0] = -sum_of(z_sum);
+}
+#else
 /* Displacement at a cell by the cells listed. ix, iy from -1 to CELLS. A table of one quadrant lacks the signs of xy,
    xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. There a column is walked
    from its first cell in a window to its last: those between without tractions add 0. */
@@ -170,6 +238,7 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
     z->v[v] = -(s.zn.v[v] + s.zx.v[v] + s.zy.v[v]);
   }
 }
+#endif
 
 /* Cells in the window of any of these lanes, in the order of their index. */
 static void list_cells(const Masks *lanes, Cells *c) {
@@ -190,6 +259,13 @@ static void list_cells(const Masks *lanes, Cells *c) {
     c->to[x] = to;
   }
   c->listed = listed;
+#if FREE_SIDES
+  c->blocks = 0;
+  for (int k = 0, last = -1; k < listed; ++k) {
+    const int block = c->list[k] / SUMMANDS;
+    if (block > last) c->block[c->blocks++] = last = block;
+  }
+#endif
 }
 
 static inline int any_of(const Masks *m) {

@@ -25,7 +25,7 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
     add_own(c, i, &ux, &uy, &uz);
 #endif
     EACH_VECTOR(v) {
-#if STEPPED
+#if OWN_ROWS
       const vreal step = w.v[v] * c->per_own_n[i].v[v], step_t = w.v[v] * c->per_own_t[i].v[v];
 #else
       const vreal step = w.v[v], step_t = step;

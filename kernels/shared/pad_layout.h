@@ -5,6 +5,9 @@
 #define TACTEL_PAD_LAYOUT_H
 #include "shared/result_rows.h"
 
+/* Nodes along a side of the block of free sides, at most. */
+enum { MOST_SIDE_NODES = 24 };
+
 /* Numbers of a result; a gathered row of the base stress's table has as many. */
 enum { PAD_BLOCK = 16 };
 
@@ -47,6 +50,8 @@ enum PadInputRow {
   PAD_COSINE,    /* of the angle from the pad's frame to the own one */
   PAD_SINE,
   PAD_BY_FORCE, /* 1: the path's normal targets are forces */
+  PAD_BLOCK_X,  /* with free sides: of the indenter's axis, from the middle of the block that has them */
+  PAD_BLOCK_Y,
   PAD_INPUT_ROWS
 };
 

@@ -95,8 +95,8 @@ TEST(FreeSidesSolve, StreamsAnswerAsSolveDoes) {
   for (const std::size_t i : {0u, 2u, 3u}) {
     const fem::PadSolution one = solve(scenes[i], {}).solution;
     for (std::size_t k = 0; k < one.steps.size(); ++k) {
-      EXPECT_NEAR(all[i].steps[k].P, one.steps[k].P, 1e-4 * one.steps[k].P);  // sweeps of 1e-6 beside 1e-7
-      EXPECT_NEAR(*all[i].steps[k].slip_index, *one.steps[k].slip_index, 1e-4);
+      EXPECT_NEAR(all[i].steps[k].P, one.steps[k].P, 3e-4 * one.steps[k].P);  // the kernel in fp32 beside the host
+      EXPECT_NEAR(*all[i].steps[k].slip_index, *one.steps[k].slip_index, 1.5e-3);
     }
     EXPECT_EQ(P[i], all[i].steps[0].P);
   }

@@ -124,6 +124,36 @@ TEST_F(PadSet, RowsOfAContactDependOnTheContactAlone) {
   expect_ranges_make(whole, other, {{0, 7}, {7, 7}, {14, 7}, {21, 7}, {28, 32}});
 }
 
+/// Contacts all over a pad with free sides, of two rubbers.
+TEST_F(PadSet, FreeSidesTakeTheDevice) {
+  std::string text = sweep_text;
+  const auto put = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  put("seed = 26", "seed = 26\nsensors = 2");
+  put("tactels = [4, 3]", "length = 10\nwidth = 12\nsides = \"free\"\ntactels = [4, 3]");
+  put("position = [{ uniform = [-3, 3] }, { uniform = [-3, 3] }]",
+      "position = [{ uniform = [-5, 5] }, { uniform = [-6, 6] }]");
+  const PadSource sweep = source(text);
+  const ContactSet whole = SetSimulator(executor_, sweep, options_).simulate(0, 60);
+  EXPECT_EQ(whole.unsolved, 0u);
+  EXPECT_LT(whole.fell_back, 6u);  // the kernel solves nearly all
+  EXPECT_EQ(whole.near_edge, 0u);
+  Executor one{Device("").for_one_contact()};
+  expect_ranges_make(whole, SetSimulator(one, sweep, options_), {{0, 7}, {7, 7}, {14, 46}});
+  // The host's answers.
+  SolveOptions solving;
+  solving.rung = "pad-8";
+  for (std::size_t row = 0; row < whole.rows() && whole.contact[row] < 8; ++row) {
+    const auto [scene, kind] = sweep.contact(whole.contact[row]);
+    if (row > 0 && whole.contact[row] == whole.contact[row - 1]) continue;
+    const PadOutcome outcome = solve(scene, solving);
+    const fem::PadStep& step = outcome.solution.steps[whole.step[row]];
+    EXPECT_NEAR(whole.normal_force[row], step.P, 1e-3 * step.P) << whole.contact[row];
+    EXPECT_NEAR(whole.slip_index[row], *step.slip_index, 2e-3) << whole.contact[row];
+  }
+}
+
 /// Depths from 0 on: the smallest contacts have cells far below the ladder's usual rungs, the first touches nothing.
 TEST_F(PadSet, DepthsFromZeroOn) {
   std::string text = sweep_text;

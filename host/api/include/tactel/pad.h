@@ -180,8 +180,8 @@ struct PadPaths {
 /// Solves scenes in batches, without a rung on "pad-12", in fp32 unless `options.precision` says otherwise. The pads
 /// of all scenes have the same tactels. An accuracy is judged on at most 64 of the scenes. Throws InputError, naming
 /// the scene by its index, also for a contact nearer than its thickness to an edge of a pad whose sides are held,
-/// HardwareError, and Cancelled where progress (scenes) says so. Pads with free sides are solved by the host in fp64,
-/// some 20 ms each.
+/// HardwareError, and Cancelled where progress (scenes) says so. With free sides contacts take the device, too, some
+/// ten times longer each.
 TACTEL_API PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& options = {},
                                const ProgressFunction& progress = {});
 
