@@ -33,8 +33,8 @@ GAIN = 1e-5  # MPa a count of z, assumed: the network divides each frame by its 
 RUBBER = {"thickness": 4.0, "young": 0.5, "poisson": 0.48}  # mm, MPa: assumed, as in examples/uskin_4x4.toml
 ALARM = 0.8  # upper bound of S at which the alarm begins: the default of monitor --view
 TOPOLOGY, EPOCHS, SEEDS = "48-96-48-1", 20, 4
-SLID = ("--network", "48-96-48-1_leaky-relu", "--scaling", "rest", "--target", "slid", "--schedule", "cosine", "--epochs", 40, "--batch",
-        512, "--noise", 0.004)  # as scripts/networks
+SLID = ("--network", "48-96-48-1_leaky-relu", "--scaling", "rest", "--target", "slid", "--schedule", "cosine", "--epochs", 30, "--batch",
+        512, "--noise", 0.006)  # as scripts/networks
 PADS = ("--profile", "uskin-4x4") * 2
 MARGIN = 1.2  # threshold over the largest score in the recorded hold
 FIRST, MOVED, AT_REST, LASTS = (0.6, 0.5), (2.5, 2.0), 20, 5  # degrees and mm; frames
@@ -197,11 +197,11 @@ class Chain:
         return spread(np.stack([step["tau_x"], step["tau_y"], -np.array(step["sigma_z"])], axis=-1))
 
     def slid_networks(self, contacts):
-        """Networks of `slid` of four seeds, taught by the grips of examples/uskin_grips.toml, or as many contacts as there are."""
+        """Networks of `slid` of four seeds, taught by the grips of examples/uskin_holds.toml, or as many contacts as there are."""
         with tempfile.TemporaryDirectory(dir=self.output) as folder:
             grips, sweep = pathlib.Path(folder) / "grips.h5", pathlib.Path(folder) / "grips.toml"
             sweep.write_text(re.sub(r"contacts = (\d+)", lambda found: f"contacts = {min(int(found[1]), contacts)}",
-                                    (study.ROOT / "examples/uskin_grips.toml").read_text()))
+                                    (study.ROOT / "examples/uskin_holds.toml").read_text()))
             self.run("generate", sweep, "--output", grips, "--rung", "pad-8")
             self.run("train", grips, "--output", self.output / "slid", *SLID, "--seeds", SEEDS, "--force")
         return sorted((self.output / "slid").glob("*.onnx"))

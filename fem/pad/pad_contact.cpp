@@ -271,16 +271,21 @@ PadResidual PadContact::residual(std::array<bool, 4>& outside) const {
   return r;
 }
 
-void PadContact::add_slide() {
+double PadContact::slide() const {
   double sum = 0;
   int touching = 0;
   for (int i = 0; i < cells_.count(); ++i) {
     if (!(n_[i] > 0)) continue;
-    if (sticks(i)) return;
     ++touching;
     sum += slip(i).squaredNorm();
   }
-  if (touching > 0) slid_ += std::sqrt(sum / touching);
+  return touching > 0 ? std::sqrt(sum / touching) : 0;
+}
+
+void PadContact::add_slide() {
+  for (int i = 0; i < cells_.count(); ++i)
+    if (n_[i] > 0 && sticks(i)) return;
+  slid_ += slide();
 }
 
 void PadContact::remember() {

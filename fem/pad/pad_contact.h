@@ -104,7 +104,9 @@ class PadContact {
   /// penetrated by more than the accepted residual times the depth.
   PadResidual residual(std::array<bool, 4>& outside) const;
 
-  /// Adds the slide of this increment to slid(), after solve().
+  /// Returns the rms slide in this increment of the cells that touch, mm, after solve().
+  double slide() const;
+  /// Adds slide() to slid() where no cell sticks.
   void add_slide();
 
   /// Ends an increment. A sticking cell counts as having followed the indenter, so that what the tolerance left is made

@@ -95,12 +95,11 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
   return s;
 }
 
-/// Returns how far the contact slid as a whole in the step that ends here, mm.
+/// Returns the rms slide of the step that ends here, mm.
 double SteppedContact::end_step() {
-  const double before = contact_->slid();
-  contact_->add_slide();
+  const double slide = contact_->slide();
   contact_->remember();
-  return contact_->slid() - before;
+  return slide;
 }
 
 SteppedState SteppedContact::move(double depth, const PadMotion& motion) {

@@ -21,7 +21,7 @@ struct SteppedState {
   int touching = 0;     ///< cells
   bool met = true;      ///< the wrench, and the accepted residual
   bool slides = false;  ///< every cell that touches slips, or friction does not bear the wrench
-  double slid = 0;      ///< mm: rms slide of the cells that touch in a step in which none sticks
+  double slid = 0;      ///< mm: rms slide of the cells that touch in this step
   int solves = 0, sweeps = 0;
   PadResidual residual;
 };

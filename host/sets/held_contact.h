@@ -13,7 +13,7 @@ struct HeldStep {
   std::array<double, 4> force{};  ///< P, Qx, Qy (N), M (N mm) about the object's axis
   std::array<double, 4> pose{};   ///< depth, x, y (mm), twist (rad)
   double area = 0;                ///< mm^2 of the cells that touch
-  double slid = 0;                ///< mm: slide in this step of the contact as a whole; 0 where a cell sticks
+  double slid = 0;                ///< mm: rms slide in this step of the cells that touch
 };
 
 /// A grip on its way: what its next step asks for, from what the last one said. It is pressed by wrench, then stepped
@@ -32,7 +32,7 @@ class HeldContact {
                             std::array<double, 2>& axis);
   void take(std::size_t k, const HeldStep& step);
 
-  /// How far the contact has slid as a whole over its elastic limit.
+  /// How far the cells have slid over the elastic limit.
   double over_limit() const { return over_limit_; }
 
  private:

@@ -70,7 +70,7 @@ Kept kept_of(std::span<const Real> row, double cell_area) {
   kept.S = number(STEP_RESULT_S), kept.stick = number(STEP_RESULT_STICK), kept.residual = number(STEP_RESULT_RESIDUAL);
   kept.touch = static_cast<int>(number(STEP_RESULT_TOUCH)), kept.flags = static_cast<int>(number(STEP_RESULT_FLAGS));
   kept.step.area = kept.touch * cell_area;
-  kept.step.slid = (kept.flags & STEP_SLIDES) != 0 ? number(STEP_RESULT_SLID) : 0;
+  kept.step.slid = number(STEP_RESULT_SLID);
   return kept;
 }
 

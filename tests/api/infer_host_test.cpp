@@ -74,7 +74,7 @@ void expect_same_bits(const std::vector<Answer>& answers, const std::vector<Answ
 
 }  // namespace
 
-// A grip of 0.1 MPa that holds, and one whose shear has turned round: an object that was dragged along.
+// A grip of 0.1 MPa that holds, and one whose object has turned and tips.
 TEST(InferHost, HasANetworkOfUskinPads) {
   const SlipEstimator network = SlipEstimator::load("uskin-4x4");
   EXPECT_EQ(network.inputs(), 96u);
@@ -85,7 +85,10 @@ TEST(InferHost, HasANetworkOfUskinPads) {
   std::fill(frame.begin() + 16, frame.end(), 0.03f);
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(alarm.next(frame).on);
   EXPECT_LT(alarm.next(frame).answer.slip_index, network.alarm_at());
-  std::fill(frame.begin() + 16, frame.begin() + 32, -0.03f);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const float x = 0.03f * (static_cast<float>(i % 4) - 1.5f), y = 0.03f * (static_cast<float>(i / 4) - 1.5f);
+    frame[i] += y, frame[16 + i] -= y, frame[32 + i] += x;
+  }
   EXPECT_TRUE(alarm.next(frame).on);
   const std::unique_ptr<tactel_estimator, void (*)(tactel_estimator*)> in_c(tactel_load("uskin-4x4"), tactel_free);
   ASSERT_NE(in_c, nullptr) << tactel_error();

@@ -309,16 +309,22 @@ TEST(PadStepSides, AreThoseOfTheTwin) {
   PadStepper<float> steps(executor(), pad, 17, std::array{0.5}, {.cells = 8, .cell = 19.0 / 8, .tolerance = 1e-5});
   const std::vector<double> heights(17 * std::size_t{64}, 0.0);
   steps.set_heights(std::span<const double>(heights));
+  std::vector<double> slid;  // mm, by step
   for (const auto& [depth, x, y, twist] : face_way) {
     std::vector<double> pose;
     for (int c = 0; c < 17; ++c) pose.insert(pose.end(), {depth, x, y, twist});
     steps.move(pose);
     const fem::SteppedState state = twin.move(depth, {x, y, twist});
-    for (std::size_t c : {0u, 16u})
+    for (std::size_t c : {0u, 16u}) {
       for (int row = 0; row < 4; ++row)
         EXPECT_NEAR(number(steps, c, STEP_RESULT_P + row), state.force[row],
                     2e-4 * state.force[0] * (row == 3 ? 9.5 : 1));
+      EXPECT_NEAR(number(steps, c, STEP_RESULT_SLID), state.slid, 2e-4);
+    }
+    slid.push_back(state.slid);
   }
+  EXPECT_GT(slid[2], 1e-3);  // at the rim, in a way of 0.1 mm
+  EXPECT_GT(slid.back(), 5 * slid[2]);
 }
 
 // The force on the base is that on the face.
