@@ -85,6 +85,20 @@ Json curve_json(const std::vector<CurvePoint>& curve, bool judged, bool validate
   return json;
 }
 
+/// A line of JSON for each point of the networks' curves, from training.json's "networks".
+std::string curve_lines(const Json& networks) {
+  std::string lines;
+  for (const Json& network : networks) {
+    const Json& curve = network["curve"];
+    for (std::size_t i = 0; i < curve["cycle"].size(); ++i) {
+      Json line = {{"network", network["file"]}, {"seed", network["seed"]}, {"noise", network["noise"]}};
+      for (const auto& [name, values] : curve.items()) line[name] = values[i];
+      lines += line.dump() + "\n";
+    }
+  }
+  return lines;
+}
+
 /// What a training learns from, and what judges it.
 struct Lesson {
   std::optional<NamedSet> set{};           ///< none: the stream
@@ -216,7 +230,9 @@ class Training {
                                                                               .judged = lesson_.recall.has_value(),
                                                                               .validated = plan_.validation != nullptr,
                                                                               .stop_error = plan_.options.stop_error}));
-    write_file("--output", directory_.report(), json_text(report_json(fingerprint, networks, recalled)));
+    const Json report = report_json(fingerprint, networks, recalled);
+    write_file("--output", directory_.curves(), curve_lines(report["networks"]));
+    write_file("--output", directory_.report(), json_text(report));
     directory_.remove_checkpoints();
     outcome.summary = summary();
     return outcome;

@@ -98,6 +98,7 @@ void TrainingDirectory::clear() const {
   for (const std::string& file : own_networks()) fs::remove(network(file));
   fs::remove(report());
   fs::remove(figure());
+  fs::remove(curves());
   remove_checkpoints();
 }
 

@@ -8,7 +8,7 @@
 
 namespace tactel::host {
 
-/// The directory that `tactel train` writes: networks, training.json, learning_curves.svg, and during training
+/// The directory that `tactel train` writes: networks, training.json, learning_curves.svg and .jsonl, and during training
 /// the checkpoint. training.json is written last: its presence means that the training is complete.
 class TrainingDirectory {
  public:
@@ -19,6 +19,7 @@ class TrainingDirectory {
   std::filesystem::path checkpoint(int rank) const { return path_ / ("checkpoint-" + std::to_string(rank)); }
   std::filesystem::path report() const { return path_ / "training.json"; }
   std::filesystem::path figure() const { return path_ / "learning_curves.svg"; }
+  std::filesystem::path curves() const { return path_ / "learning_curves.jsonl"; }
   std::filesystem::path network(const std::string& file) const { return path_ / file; }
 
   bool finished() const;

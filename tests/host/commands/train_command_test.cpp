@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "host/networks/onnx_file.h"
 #include "host/sets/contact_set.h"
@@ -80,7 +81,19 @@ TEST(TrainCommand, WritesNetworksReportAndFigure) {
   EXPECT_TRUE(report["networks"][4]["network"].is_null());
   EXPECT_EQ(networks_in(folder / "net").size(), 8u);
   EXPECT_THAT(text_of(folder / "net" / "learning_curves.svg"), HasSubstr("median of up to 2 seeds"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 10);  // and no checkpoint
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 11);  // and no checkpoint
+  // A line a point of each curve, with the numbers of the report.
+  std::istringstream lines(text_of(folder / "net" / "learning_curves.jsonl"));
+  std::string line;
+  for (const json& network : report["networks"])
+    for (std::size_t i = 0; i < network["curve"]["cycle"].size(); ++i) {
+      ASSERT_TRUE(std::getline(lines, line));
+      const json point = json::parse(line);
+      EXPECT_EQ(point["network"], network["file"]);
+      EXPECT_EQ(point["cycle"], network["curve"]["cycle"][i]);
+      EXPECT_EQ(point["mean_squared_error"], network["curve"]["mean_squared_error"][i]);
+    }
+  EXPECT_FALSE(std::getline(lines, line));
 }
 
 TEST(TrainCommand, PadsLearnWithFeatures) {
