@@ -92,6 +92,7 @@ void each_scene(int count, unsigned seed, Scenes scenes, const std::string& answ
 
 std::vector<double> column(const std::vector<Errors>& errors, double Errors::*member) {
   std::vector<double> values;
+  values.reserve(errors.size());
   for (const Errors& e : errors) values.push_back(e.*member);
   return values;
 }

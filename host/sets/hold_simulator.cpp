@@ -139,6 +139,7 @@ void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bo
   const fem::PadSensor& sensor = grips.front()->scene.sensor;
   const std::size_t count = grips.size();
   std::vector<double> friction;
+  friction.reserve(count);
   for (const Grip* grip : grips) friction.push_back(grip->scene.friction);
   PadStepper<Real> steps(executor_, sensor, count, friction, step_options(sensor, options_));
   const fem::PadCells& cells = steps.cells();

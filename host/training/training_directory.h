@@ -8,8 +8,8 @@
 
 namespace tactel::host {
 
-/// The directory that `tactel train` writes: networks, training.json, learning_curves.svg and .jsonl, and during training
-/// the checkpoint. training.json is written last: its presence means that the training is complete.
+/// The directory that `tactel train` writes: networks, training.json, learning_curves.svg and .jsonl, and during
+/// training the checkpoint. training.json is written last: its presence means that the training is complete.
 class TrainingDirectory {
  public:
   explicit TrainingDirectory(std::filesystem::path path) : path_(std::move(path)) {}

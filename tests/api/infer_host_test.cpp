@@ -86,7 +86,8 @@ TEST(InferHost, HasANetworkOfUskinPads) {
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(alarm.next(frame).on);
   EXPECT_LT(alarm.next(frame).answer.slip_index, network.alarm_at());
   for (std::size_t i = 0; i < 16; ++i) {
-    const float x = 0.03f * (static_cast<float>(i % 4) - 1.5f), y = 0.03f * (static_cast<float>(i / 4) - 1.5f);
+    const std::size_t column = i % 4, row = i / 4;
+    const float x = 0.03f * (static_cast<float>(column) - 1.5f), y = 0.03f * (static_cast<float>(row) - 1.5f);
     frame[i] += y, frame[16 + i] -= y, frame[32 + i] += x;
   }
   EXPECT_TRUE(alarm.next(frame).on);

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "fem/pad/pad_layer.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
@@ -14,7 +16,7 @@ namespace {
 /// A paraboloid that is pressed, dragged and twisted. `yaw` turns it about its axis, and the drag with it.
 struct Pressed {
   explicit Pressed(double nu, double yaw = 0) : layer(nu) {
-    const Eigen::Vector2d drag = Eigen::Rotation2Dd(yaw * EIGEN_PI / 180) * Eigen::Vector2d(0.05, 0.03);
+    const Eigen::Vector2d drag = Eigen::Rotation2Dd(yaw * std::numbers::pi / 180) * Eigen::Vector2d(0.05, 0.03);
     scene = scene_of(Paraboloid{{8, 6}}, 0.3, 2.5, nu, 0.5, {{drag[0], drag[1], 0.02}});
     scene.indenter.yaw = yaw;
     solution = PadSolver(layer, {.cells = 12}).solve_on({.n = 12, .hx = 0.38, .hy = 0.33}, scene);
@@ -141,8 +143,8 @@ TEST(PadField, OfANeedleIsThatOfAPoint) {
   const PadField field = pad_field(scene, solution, 0);
   const Eigen::Index middle = Eigen::Index(field.points[1] / 2) * field.points[0] + field.points[0] / 2;
   const double b0 = layer.stresses(0)[0];
-  EXPECT_NEAR(field.stress(2, middle), -b0 * solution.steps[0].P / (2 * EIGEN_PI * 2.5 * 2.5),
-              0.01 * std::abs(b0) * solution.steps[0].P / (2 * EIGEN_PI * 2.5 * 2.5));
+  EXPECT_NEAR(field.stress(2, middle), -b0 * solution.steps[0].P / (2 * std::numbers::pi * 2.5 * 2.5),
+              0.01 * std::abs(b0) * solution.steps[0].P / (2 * std::numbers::pi * 2.5 * 2.5));
 }
 
 // Equilibrium: each level bears the same force. Beyond the points lies little of it.

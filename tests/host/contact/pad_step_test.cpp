@@ -196,8 +196,9 @@ PairInfluence pairs_of(const Bowls& bowls) {
   PairInfluence pairs;
   for (int place = 0; place < n * n; ++place)
     for (int source = 0; source < n * n; ++source) {
-      const int dx = place / n - source / n, dy = place % n - source % n;
-      fem::CellInfluence c = all[static_cast<std::size_t>(std::abs(dx) * (n + 1) + std::abs(dy))];
+      const int dx = place / n - source / n, dy = place % n - source % n,
+                offset = std::abs(dx) * (n + 1) + std::abs(dy);
+      fem::CellInfluence c = all[static_cast<std::size_t>(offset)];
       if (dx < 0) c.xz = -c.xz, c.xy = -c.xy;
       if (dy < 0) c.yz = -c.yz, c.xy = -c.xy;
       pairs.insert(pairs.end(), {c.xx, c.xy, c.xz, c.xy, c.yy, c.yz, -c.xz, -c.yz, c.zz});

@@ -191,7 +191,11 @@ TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
   for (const std::string& object :
        {std::string(face) + "unevenness = { rms = { log_uniform = [0.05, 1] }, length = { log_uniform = [2, 20] } }\n",
         few}) {
-    const ContactSet set = simulate(source(sweep(60) + rubber + object + ends + moved));
+    std::string text = sweep(60);
+    for (const std::string_view part :
+         {std::string_view(rubber), std::string_view(object), std::string_view(ends), std::string_view(moved)})
+      text += part;
+    const ContactSet set = simulate(source(text));
     ASSERT_GT(set.rows(), 60u * 30);
     std::size_t unsolved = 0;
     for (std::size_t row = 0; row < set.rows(); ++row) {

@@ -78,7 +78,7 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
     const PadOutcome outcome = solve(scene, solving);
     const std::size_t pressed = pressing_targets(scene.load);
     double slid = 0, before = 0;  // over the shear of the layer under mu times the mean pressure
-    const auto add_slide = [&](const fem::PadStep& step) {
+    const auto add_slide = [&, &scene = scene](const fem::PadStep& step) {
       const double G = scene.sensor.young / (2 * (1 + scene.sensor.poisson));
       const double limit = scene.friction * step.P / step.area / G * scene.sensor.thickness;
       slid += limit > 0 ? (step.slid - before) / limit : 0, before = step.slid;
