@@ -19,11 +19,6 @@ const std::string rubber =
     "[indenter]\nshape = \"box\"\nhalf_widths = [15, 15]\n";
 const std::string head = rubber + "[load]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\n";
 
-PadSource pads(const std::string& text) {
-  const ScratchFolder folder;
-  return PadSource::read(folder.write("sweep.toml", text));
-}
-
 constexpr const char* fixed =
     "frames = 40\npress = 8\nweight = 0.5\ndirection = 90\nrest = 5\nmoves = 2\nsize = 2\nturn = 0\nmove_frames = 2\n"
     "pause = 3\nback = 0\nrelax = 0.1\n";
@@ -81,9 +76,8 @@ TEST(HoldLoad, DependsOnSeedAndNumberAlone) {
 }
 
 TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
-  const auto message = [](const std::string& text) { return thrown_message<ConfigError>([&] { pads(text); }); };
-  const auto refuses = [&](const std::string& keys, const std::string& key, const std::string& allowed) {
-    EXPECT_THAT(message(head + keys),
+  const auto refuses = [](const std::string& keys, const std::string& key, const std::string& allowed) {
+    EXPECT_THAT(message_of<PadSource>(head + keys),
                 AllOf(HasSubstr("sweep.toml:"), HasSubstr("load.hold." + key), HasSubstr(allowed)));
   };
   refuses("frames = 5", "frames", "20 to 1000");
@@ -93,19 +87,19 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
   refuses("turn = { uniform = [0, 2] }", "turn", "-1 to 1");
   refuses("back = 2", "back", "a probability, 0 to 1");
   refuses("sise = 2", "sise", "did you mean size?");
-  EXPECT_THAT(message(rubber + "[load]\nindentation = 0.2\n[load.hold]\n"),
+  EXPECT_THAT(message_of<PadSource>(rubber + "[load]\nindentation = 0.2\n[load.hold]\n"),
               AllOf(HasSubstr("load.hold"), HasSubstr("one normal_force, in N")));
-  EXPECT_THAT(message(rubber + "[load]\nnormal_force = 2\ntwist = [3]\n[load.hold]\n"),
+  EXPECT_THAT(message_of<PadSource>(rubber + "[load]\nnormal_force = 2\ntwist = [3]\n[load.hold]\n"),
               AllOf(HasSubstr("load.twist"), HasSubstr("left out, because load.hold is given too")));
-  EXPECT_THAT(message(rubber + "[[load]]\nnormal_force = 2\n[load.hold]\n[[load]]\nnormal_force = 2\n"),
+  EXPECT_THAT(message_of<PadSource>(rubber + "[[load]]\nnormal_force = 2\n[load.hold]\n[[load]]\nnormal_force = 2\n"),
               AllOf(HasSubstr("load.hold"), HasSubstr("in every [[load]], or in none")));
-  EXPECT_THAT(message(rubber + "unevenness = { rms = 0.1, length = 3 }\n[load]\nnormal_force = 2\n"),
+  EXPECT_THAT(message_of<PadSource>(rubber + "unevenness = { rms = 0.1, length = 3 }\n[load]\nnormal_force = 2\n"),
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("[load.hold]")));
-  EXPECT_THAT(message(rubber + "unevenness = 0.1\n[load]\nnormal_force = 2\n[load.hold]\n"),
+  EXPECT_THAT(message_of<PadSource>(rubber + "unevenness = 0.1\n[load]\nnormal_force = 2\n[load.hold]\n"),
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("{ rms = ..., length = ... }")));
   std::string own = head;
   own.replace(own.find("thickness = 4"), 13, "thickness = { uniform = [3, 5] }");
-  EXPECT_THAT(message(own), AllOf(HasSubstr("sweep.sensors"), HasSubstr("which grips share")));
+  EXPECT_THAT(message_of<PadSource>(own), AllOf(HasSubstr("sweep.sensors"), HasSubstr("which grips share")));
 }
 
 }  // namespace

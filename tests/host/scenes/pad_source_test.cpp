@@ -10,8 +10,8 @@
 
 #include "host/scenes/scene_source.h"
 #include "host/support/errors.h"
+#include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
-#include "tests/thrown_message.h"
 
 namespace tactel::host {
 namespace {
@@ -27,14 +27,6 @@ const std::string sensor = "[sensor]\nkind = \"pad\"\nthickness = 2\n";
 const std::string sphere = "[indenter]\nshape = \"sphere\"\nradius = 5\n";
 const std::string press = "[load]\nindentation = 0.2\n";
 
-PadSource pads(const std::string& text) {
-  const ScratchFolder folder;
-  return PadSource::read(folder.write("sweep.toml", text));
-}
-std::string message_of(const std::string& text) {
-  return thrown_message<ConfigError>([&] { pads(text); });
-}
-
 TEST(PadSource, SidesAreHeldUnlessAskedFor) {
   const std::string outline = sensor + "length = 20\nwidth = 20\n";
   EXPECT_EQ(pads(head + outline + sphere + press).contact(0).scene.sensor.sides, fem::Sides::held);
@@ -42,7 +34,7 @@ TEST(PadSource, SidesAreHeldUnlessAskedFor) {
             fem::Sides::free);
   const std::string drawn =
       "[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\nlength = 20\nwidth = 20\nsides = \"free\"\n";
-  EXPECT_THAT(message_of(head + drawn + sphere + press),
+  EXPECT_THAT(message_of<PadSource>(head + drawn + sphere + press),
               HasSubstr("sensor.sides = \"free\": must be \"held\" where each contact draws"));
   EXPECT_EQ(pads("[sweep]\ncontacts = 500\nsensors = 3\n" + drawn + sphere + press).contact(0).scene.sensor.sides,
             fem::Sides::free);
@@ -141,20 +133,22 @@ TEST(PadSource, SharedSensorsAreDrawnOnce) {
 }
 
 TEST(PadSource, ErrorsNameTheKey) {
-  const auto with_load = [&](const std::string& load) { return message_of(head + sensor + sphere + load); };
-  EXPECT_THAT(message_of(head + sensor + "poisson = { uniform = [0.3, 0.6] }\n" + sphere + press),
+  const auto with_load = [&](const std::string& load) { return message_of<PadSource>(head + sensor + sphere + load); };
+  EXPECT_THAT(message_of<PadSource>(head + sensor + "poisson = { uniform = [0.3, 0.6] }\n" + sphere + press),
               HasSubstr("0 <= poisson <= 0.5"));
+  EXPECT_THAT(message_of<PadSource>(head + "[[sensor]]\nkind = \"pad\"\nthickness = 2\n[[sensor]]\nthickness = 2\n" +
+                                    sphere + press),
+              HasSubstr("sensor.kind"));
   EXPECT_THAT(
-      message_of(head + "[[sensor]]\nkind = \"pad\"\nthickness = 2\n[[sensor]]\nthickness = 2\n" + sphere + press),
-      HasSubstr("sensor.kind"));
-  EXPECT_THAT(message_of(head +
-                         "[[sensor]]\nkind = \"pad\"\nthickness = 2\n[[sensor]]\nkind = \"pad\"\nthickness = 2\n"
-                         "axes = 1\n" +
-                         sphere + press),
-              HasSubstr("sensor.tactels"));
-  EXPECT_THAT(message_of(head + sensor + "tactel_size = { uniform = [0, 1] }\n" + sphere + press),
+      message_of<PadSource>(head +
+                            "[[sensor]]\nkind = \"pad\"\nthickness = 2\n[[sensor]]\nkind = \"pad\"\nthickness = 2\n"
+                            "axes = 1\n" +
+                            sphere + press),
+      HasSubstr("sensor.tactels"));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + "tactel_size = { uniform = [0, 1] }\n" + sphere + press),
               AllOf(HasSubstr("sensor.tactel_size"), HasSubstr("may be distributions")));
-  EXPECT_THAT(message_of(head + sensor + sphere + "tilt = { uniform = [0, 1] }\n" + press), HasSubstr("indenter.tilt"));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + "tilt = { uniform = [0, 1] }\n" + press),
+              HasSubstr("indenter.tilt"));
   EXPECT_THAT(with_load("[load]\nindentation = { uniform = [-1, 1] }\n"), HasSubstr("load.indentation"));
   EXPECT_THAT(with_load("[load]\nnormal_force = 1\nslip_index = 0.5\n"), HasSubstr("load.slip_index"));
   EXPECT_THAT(with_load(press + "[load.irregular]\nbackward = 0.5\n"), HasSubstr("load.irregular.backward"));

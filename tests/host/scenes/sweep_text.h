@@ -9,15 +9,18 @@
 
 namespace tactel::host {
 
-/// The contacts of a sweep file with this text.
-inline SceneSource source(const std::string& text) {
+/// The contacts of a sweep file with this text, of lines or pads.
+template <class Source = SceneSource>
+Source source(const std::string& text) {
   const ScratchFolder folder;
-  return SceneSource::read(folder.write("sweep.toml", text));
+  return Source::read(folder.write("sweep.toml", text));
 }
+inline PadSource pads(const std::string& text) { return source<PadSource>(text); }
 
 /// What is said of the text where it is refused.
-inline std::string message_of(const std::string& text) {
-  return thrown_message<ConfigError>([&] { source(text); });
+template <class Source = SceneSource>
+std::string message_of(const std::string& text) {
+  return thrown_message<ConfigError>([&] { source<Source>(text); });
 }
 
 }  // namespace tactel::host
