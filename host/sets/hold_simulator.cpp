@@ -59,6 +59,12 @@ StepOptions step_options(const fem::PadSensor& sensor, const SetOptions& options
   return made;
 }
 
+double accepted_residual(const fem::PadSensor& sensor, const SetOptions& options) {
+  const fem::Accuracy asked{step_options(sensor, options).tolerance, 0};
+  return options.precision == Precision::fp64 ? fem::by_rule<double>(asked, fem::slow_on_patch).accept
+                                              : fem::by_rule<float>(asked, fem::slow_on_patch).accept;
+}
+
 template <class Real>
 Kept kept_of(std::span<const Real> row, double cell_area) {
   const auto number = [&](int k) { return static_cast<double>(row[static_cast<std::size_t>(k)]); };
@@ -83,7 +89,8 @@ class HoldSimulator final : public SetSimulator::State {
         source_(source),
         options_(options),
         parameters_(source.parameters()),
-        columns_(columns_of(source)) {
+        columns_(columns_of(source)),
+        accepted_(accepted_residual(source.sensors().front(), options)) {
     if (source.transducer().present())
       chain_.emplace(executor, source.transducer(), source.seed(), source.inputs(), columns_.axes,
                      source.sensors().front().tactels[1]);
@@ -101,11 +108,6 @@ class HoldSimulator final : public SetSimulator::State {
   }
   void put(ContactSet& set, std::size_t at, const Grip& grip, std::size_t k, int least, int outside) const;
   int outside(const Grip& grip) const;
-  double accepted() const {
-    const fem::Accuracy asked{step_options(source_.sensors().front(), options_).tolerance, 0};
-    return options_.precision == Precision::fp64 ? fem::by_rule<double>(asked, fem::slow_on_patch).accept
-                                                 : fem::by_rule<float>(asked, fem::slow_on_patch).accept;
-  }
   void measure(std::vector<Grip>& grips);
 
   Executor& executor_;
@@ -113,6 +115,7 @@ class HoldSimulator final : public SetSimulator::State {
   SetOptions options_;
   ContactParametersOf<fem::PadScene> parameters_;
   SetColumns columns_;
+  double accepted_;  ///< residual of a row that is solved
   std::optional<TransducerChain> chain_;
   std::mutex chain_turn_;
 };
@@ -244,7 +247,7 @@ void HoldSimulator::put(ContactSet& set, std::size_t at, const Grip& grip, std::
   set.contact[at] = grip.number;
   set.step[at] = static_cast<std::uint32_t>(k);
   set.indenter[at] = grip.kind;
-  set.status[at] = static_cast<std::uint8_t>(!(kept.residual <= accepted())    ? LANE_UNSOLVED
+  set.status[at] = static_cast<std::uint8_t>(!(kept.residual <= accepted_)     ? LANE_UNSOLVED
                                              : kept.touch < least * least      ? coarse_row
                                              : (kept.flags & STEP_SLIDES) != 0 ? LANE_SLIDING
                                                                                : LANE_SOLVED);
