@@ -585,20 +585,13 @@ Launch PadContact<Real>::State::side_stress_launch(const Laid& b) {
   });
 }
 
-/// Numbers of a scene's table of pairs, as kernels/pad/free_sides.h has them.
-std::size_t pair_numbers(std::size_t cells) {
-  const std::size_t count = cells * cells, span = 2 * cells + 1;
-  return 9 * count * count + 4 * (cells + 1) * 3 * count + 9 * span * span + 16 * count +
-         std::size_t{MOST_SIDE_NODES} * MOST_SIDE_NODES * PAD_BLOCK;
-}
-
 /// Scenes with free sides whose tables are in memory: some 128 MB on a processor, which has few at work, and what a
 /// GPU can spare.
 template <class Real>
 std::size_t PadContact<Real>::State::groups_at_once() const {
   const std::size_t on_host = std::size_t{1} << 27;
   const std::size_t bytes = device().info().type == DeviceType::gpu ? memory_of(device().info()) / 4 : on_host;
-  return std::max<std::size_t>(8, bytes / (sizeof(Real) * pair_numbers(static_cast<std::size_t>(options.cells))));
+  return std::max<std::size_t>(8, bytes / (sizeof(Real) * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells))));
 }
 
 template <class Real>
@@ -611,7 +604,7 @@ void PadContact<Real>::State::put_free_jobs(Laid& b) {
   b.response_of = Buffer<std::int32_t>(device(), std::span<const std::int32_t>(response_of));
   b.softs = softs(b.on_cells, b);
   const std::size_t at_once = std::min(groups_at_once(), b.lanes);
-  b.borrow = [&b, this, size = at_once * pair_numbers(static_cast<std::size_t>(options.cells))] {
+  b.borrow = [&b, this, size = at_once * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells))] {
     auto lent = side_tables.borrow(size);
     for (auto& jobs : b.rounds)
       if (Launch& launch = jobs.front().launch; launch.kernel() == "pad_free_contact") launch.set("pairs", *lent);

@@ -25,12 +25,13 @@ typedef JOIN(REAL, WIDE) wide;
    [4 (CELLS + 1)][3][COUNT]. Then room to make it in, which is no private memory, for a GPU would set that aside for
    each of its threads: the layer by the offset, [PAIR_PLANES][SPAN][SPAN]; shares of nodes in cells, [COUNT][16]; and
    what the nodes do at a place, [nodes][PAD_BLOCK]. */
-enum { PLANE_ZN = 0, PLANE_ZX, PLANE_ZY, PLANE_XX, PLANE_XY, PLANE_XN, PLANE_YX, PLANE_YY, PLANE_YN, PAIR_PLANES };
-#define RING_AT (COUNT * PAIR_PLANES * COUNT)
-#define LAYER_AT (RING_AT + RING_PLACES * 3 * COUNT)
-#define SHARES_AT (LAYER_AT + PAIR_PLANES * SPAN * SPAN)
-#define ROW_AT (SHARES_AT + COUNT * 16)
-#define PAIR_NUMBERS (ROW_AT + MOST_SIDE_NODES * MOST_SIDE_NODES * PAD_BLOCK)
+enum { PLANE_ZN = 0, PLANE_ZX, PLANE_ZY, PLANE_XX, PLANE_XY, PLANE_XN, PLANE_YX, PLANE_YY, PLANE_YN };
+#define PAIR_PLANES PAIRS_PLANES
+#define RING_AT PAIRS_RING_AT(CELLS)
+#define LAYER_AT PAIRS_LAYER_AT(CELLS)
+#define SHARES_AT PAIRS_SHARES_AT(CELLS)
+#define ROW_AT PAIRS_ROW_AT(CELLS)
+#define PAIR_NUMBERS PAIRS_NUMBERS(CELLS)
 
 /* The sum of 16 numbers: halves are added until one is left. */
 INLINE real sum_of(wide *parts) {

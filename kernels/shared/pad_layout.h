@@ -39,6 +39,15 @@ enum PadPairNumber {
   PAD_PAIR = 12
 };
 
+/* Memory of a scene with free sides, by the cells along a side of its grid (pad/free_sides.h): where its parts begin, and
+   how many numbers it has. */
+#define PAIRS_PLANES 9 /* numbers of a pair of cells */
+#define PAIRS_RING_AT(cells) (PAIRS_PLANES * (cells) * (cells) * (cells) * (cells))
+#define PAIRS_LAYER_AT(cells) (PAIRS_RING_AT(cells) + 4 * ((cells) + 1) * 3 * (cells) * (cells))
+#define PAIRS_SHARES_AT(cells) (PAIRS_LAYER_AT(cells) + PAIRS_PLANES * (2 * (cells) + 1) * (2 * (cells) + 1))
+#define PAIRS_ROW_AT(cells) (PAIRS_SHARES_AT(cells) + 16 * (cells) * (cells))
+#define PAIRS_NUMBERS(cells) (PAIRS_ROW_AT(cells) + MOST_SIDE_NODES * MOST_SIDE_NODES * PAD_BLOCK)
+
 /* Rows of `lane_input`, [group][vector][PAD_INPUT_ROWS][lane]. */
 enum PadInputRow {
   PAD_MU = 0,
