@@ -13,6 +13,7 @@ import sys
 import mujoco
 import numpy as np
 import tactel
+import tactel.mujoco
 
 PAD = tactel.Pad(tactels=(4, 4), pitch=2.0, thickness=4.0, young=2.0, poisson=0.48)
 BALL = tactel.Sphere(radius=12.0)  # mm: the finger's curvature
@@ -27,7 +28,7 @@ SCENE = """<mujoco><option timestep="0.002" integrator="implicitfast" cone="elli
 <body pos="0 0 .3"><joint name="lift" type="slide" axis="0 0 1" damping="50"/>
 <geom type="box" size=".06 .02 .01" pos="0 0 .08" mass="1" contype="0" conaffinity="0"/>
 <body pos="-.05 0 0"><joint name="l" type="slide" axis="1 0 0" damping="5"/><geom name="pad" type="sphere" size=".012"
-mass=".05" friction="{mu} .003 .0001" condim="4" solref=".004 1"/></body>
+mass=".05" friction="{mu} .003 .0001" condim="4" solref=".004 1"/><site name="pad" xyaxes="0 1 0 0 0 1"/></body>
 <body pos=".05 0 0"><joint name="r" type="slide" axis="-1 0 0" damping="5"/><geom type="sphere" size=".012" mass=".05"
 friction="{mu} .003 .0001" condim="4" solref=".004 1"/></body></body>
 <body name="box" pos="0 0 .3"><freejoint/><geom type="box" size=".02 .03 .04" mass="{mass}" friction="{mu} .003 .0001"
@@ -35,16 +36,14 @@ condim="4"/></body><geom type="plane" size="1 1 .1" pos="0 0 .26" friction="1 .0
 <actuator><motor joint="l"/><motor joint="r"/><position joint="lift" kp="2000" kv="200"/></actuator></mujoco>"""
 
 
-def stepper(count, friction):
-    steps = tactel.PadStepper(PAD, count, friction, cells=12, cell=0.88, most_solves=6)
-    steps.shapes(BALL)
-    return steps
+GRID = {"cells": 12, "cell": 0.88, "most_solves": 6}
 
 
 def learn(count=1500, ticks=50):
     """A network that reads S, taught by stepped frames of contacts that wander and slide."""
     mu = random.uniform(0.2, 1.2, count)
-    steps = stepper(count, mu)
+    steps = tactel.PadStepper(PAD, count, mu, **GRID)
+    steps.shapes(BALL)
     P0, (f, phase) = np.exp(random.uniform(np.log(0.8), np.log(14), count)), (random.uniform(0.3, 2, (4, count)), random.uniform(0, 6, (4, count)))
     frames, S = [], []
     for k in range(-2, ticks):
@@ -58,18 +57,6 @@ def learn(count=1500, ticks=50):
     network, = tactel.train(tactel.Set(frames, S), layers="48-64-32-1_leaky-relu", schedule="cosine", scaling="frame", noise=NOISE, cycles=100)
     print(f"learnt from {len(S)} stepped frames: error of S {np.median(np.abs(network(frames) - S)):.3f} (median)")
     return network
-
-
-def wrench_on_pad(model, data, pad):
-    """P, Qx, Qy (N) of the box on the finger; its torque about the normal is little."""
-    total, force = np.zeros(4), np.zeros(6)
-    for j in range(data.ncon):
-        contact = data.contact[j]
-        if pad in (contact.geom1, contact.geom2):
-            mujoco.mj_contactForce(model, data, j, force)
-            along = contact.frame.reshape(3, 3).T @ force[:3] * (1 if contact.geom1 == pad else -1)
-            total += abs(force[0]), along[1], along[2], 0
-    return total
 
 
 class Remembered:
@@ -90,8 +77,8 @@ def held(control, read=None):
     """Grippers that still hold their box after lift and shake, and their grip over the least."""
     models = [mujoco.MjModel.from_xml_string(SCENE.format(mu=mu, mass=mass)) for mu, mass in zip(MU, MASS)]
     worlds = [mujoco.MjData(model) for model in models]
-    pads = [model.geom("pad").id for model in models]
-    steps, grip = stepper(GRIPPERS, MU), np.full(GRIPPERS, control if read is None and control else 2.0)
+    skin = tactel.mujoco.Skin(models[0], {"pad": "pad"}, PAD, MU, BALL, worlds=GRIPPERS, **GRID)
+    grip = np.full(GRIPPERS, control if read is None and control else 2.0)
     for tick in range(1300):
         t = 0.002 * tick
         height = 0 if t < 0.6 else min(0.1, 0.25 * (t - 0.6)) + (0.015 * np.sin(6 * np.pi * (t - 1.2)) if t > 1.2 else 0)
@@ -100,8 +87,8 @@ def held(control, read=None):
             mujoco.mj_step(model, world)
         if tick % 5 or t < 0.3 or control:
             continue
-        wrench = np.array([wrench_on_pad(*of) for of in zip(models, worlds, pads)])
-        out = steps.press(wrench)
+        wrench = skin.wrench(worlds)
+        out = skin.press(wrench)
         frames = out.frames + NOISE * np.abs(out.frames).max(1, keepdims=True) * random.standard_normal(out.frames.shape)
         S = np.where(wrench[:, 0] > 0.05, out.slip_index if read is None else np.ravel(read(frames)), 0)
         aim = 0.5 if isinstance(read, tactel.Network) else 0.6  # what a network reads errs by a tenth

@@ -3,9 +3,10 @@
 """What simulators feel of a contact that is pressed, dragged, twisted and slides: stepped contacts of tactel, springs with memory
 at points, and the law of tactile images min(kt speed, mu p), beside the reference of the same scene.
 
-Prints the table of docs/stepping.md. With MuJoCo installed also its contact held under shear.
+Prints the tables of docs/stepping.md. With MuJoCo installed also its contact held under shear.
 Usage: studies/stepping.py [--build build] [--check]   --check: fails where the table's claims do not hold. A minute."""
 import sys
+import time
 
 import study
 
@@ -112,6 +113,32 @@ def mujoco_creep():
     return 1e3 * data.qvel[0]
 
 
+def speeds(contacts=256, ticks=20):
+    """Contact-steps a processor second: by name, of smooth drags by force with four solves a step, and of springs in NumPy."""
+
+    def rate(step):
+        step(0)  # compiles
+        begin = time.process_time()
+        for tick in range(1, ticks + 1):
+            step(tick)
+        return contacts * ticks / (time.process_time() - begin)
+
+    for cells in (8, 16):
+        steps = tactel.PadStepper(PAD, contacts, MU, cells=cells, cell=10.5 / cells, most_solves=4)
+        steps.shapes(tactel.Sphere(RADIUS))
+        yield f"stepped, {cells} x {cells} cells", rate(lambda tick: steps.press([2.0, 0.04 * tick, 0.02 * tick, 0]))
+    i = (np.arange(12) - 5.5) * 0.88
+    x, y = (a.ravel() for a in np.meshgrid(i, i))
+    gap, traction = np.tile(RADIUS - np.sqrt(RADIUS**2 - x**2 - y**2), (contacts, 1)), np.zeros((contacts, 144, 2))
+
+    def springs(_):
+        nonlocal traction
+        traction = traction + [1e-4, 5e-5]
+        most = MU * 0.02 * np.maximum(DEPTH - gap, 0)
+        traction *= np.minimum(1, most / np.maximum(np.hypot(traction[..., 0], traction[..., 1]), 1e-12))[..., None]
+    yield "springs with memory, 12 x 12 in NumPy", rate(springs)
+
+
 load = tactel.Press(DEPTH).drag_to([tuple(map(float, at)) for at in DRAGS], [float(turn) for turn in TWIST])
 reference = tactel.solve(tactel.Scene(PAD, tactel.PadIndenter(tactel.Sphere(RADIUS)), friction=MU, load=load), rung="reference")
 points = Points(reference)
@@ -123,6 +150,8 @@ rows = {"stepped, 8 x 8 cells": errors(reference, *stepped(8, reference)),
 print(study.head("model", "error of S", "stick fraction, mean error", "Q, over mu P", "change of base shear, rms"))
 for name, (S, stick, Q, shear) in rows.items():
     print(study.row(name, f"{S:.3f}", f"{stick:.2f}", f"{Q:.3f}", shear))
+for name, rate in [] if arguments.check else speeds():
+    print(f"{name}: {rate / 1000:.0f} thousand contact-steps a processor second")
 creep = mujoco_creep()
 print("MuJoCo: not installed" if creep is None else f"MuJoCo, held under 0.9 of 3 N: creeps by {creep:.2f} mm/s")
 if arguments.check:

@@ -41,8 +41,9 @@ void bind_pad_path(py::module_& m) {
       .def_readonly("shear_x", &PadTactels::shear_x,
                     "[..., tactels along y, along x] MPa; tau_x > 0 where the rubber is dragged toward +x")
       .def_readonly("shear_y", &PadTactels::shear_y, "[..., tactels along y, along x] MPa; tau_y alike");
-  py::class_<PadPath> path(
-      m, "PadPath", "The answer to a scene on a pad: one entry for each load increment, those of the pressing first.");
+  py::class_<PadPath> path(m, "PadPath",
+                           "The answer to a scene on a pad: one entry for each load increment, those of the pressing "
+                           "first. P, Q, M are those of the indenter on the rubber.");
   bind_pictures(path);
   bind_steps(path);
   path.def("__len__", [](const PadPath& path) { return path.steps.size(); })

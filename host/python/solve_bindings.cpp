@@ -81,7 +81,8 @@ void bind_path(py::module_& m) {
       .def_readonly("normal", &Tactels::normal, "[..., tactels] MPa; sigma_y < 0 is compression")
       .def_readonly("shear", &Tactels::shear, "[..., tactels] MPa; tau_xy > 0 where the rubber is dragged toward +x");
   py::class_<Path> path(m, "Path",
-                        "The answer to a scene: one entry for each load increment, those of the indentation first.");
+                        "The answer to a scene: one entry for each load increment, those of the indentation first. "
+                        "P, Q are those of the indenter on the rubber.");
   bind_pictures(path);
   bind_steps(path);
   path.def("__len__", [](const Path& path) { return path.steps.size(); })

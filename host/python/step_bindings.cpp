@@ -129,7 +129,8 @@ void bind_step_answer(py::module_& m) {
           "frames", &frames_of_answer,
           "[count, 3 tactels] MPa, fp32, as networks take them: all sigma_z, then tau_x, then tau_y; "
           "memory of the device where that is the host's, valid until the next step")
-      .def_property_readonly("force", member(&StepAnswer::force, 4), "[count, 4] P, Qx, Qy (N), M (N mm)")
+      .def_property_readonly("force", member(&StepAnswer::force, 4),
+                             "[count, 4] P, Qx, Qy (N), M (N mm) of the object on the rubber, in the axes of the pad")
       .def_property_readonly("pose", member(&StepAnswer::pose, 4),
                              "[count, 4] depth, x, y (mm), twist (degrees) since the contact was reset")
       .def_property_readonly("slip_index", member(&StepAnswer::slip_index, 1), "[count] S; 0 where mu P = 0")

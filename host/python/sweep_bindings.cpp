@@ -120,9 +120,9 @@ void bind_set(py::module_& m) {
           "more numbers, mu and its spread as told. As of train().")
       .def_readonly("axes", &Set::axes, "stresses of a tactel: 2; of a pad 3, or 1")
       .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
-      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm; of pads N")
-      .def_property_readonly("Q", directed(&Set::tangential_force), "[rows] N/mm; of pads [rows, 2] N")
-      .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads")
+      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm, of pads N, of the indenter on the rubber")
+      .def_property_readonly("Q", directed(&Set::tangential_force), "[rows] N/mm, of pads [rows, 2] N, as P")
+      .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads, as P")
       .def_property_readonly("force_ratio", column(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
       .def_property_readonly("slid", column(&Set::slid),
                              "[rows] slide since first touch over the elastic limit, of pads")

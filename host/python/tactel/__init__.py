@@ -3,7 +3,7 @@
 
 Lengths are in mm, stresses in MPa, forces in N per mm of depth, angles in degrees. x runs along the array, y up from the
 base. sigma_y < 0 is compression; tau_xy > 0 where the rubber is dragged toward +x. S = Q / (mu P).
-On a Pad x and y lie in its plane, z points up from the base, and forces are in N.
+On a Pad x and y lie in its plane, z points up from the base, and forces are in N. Forces are those of the object on the rubber.
 
     scene = tactel.Scene(tactel.Sensor(), tactel.Parabola(radius=10), friction=0.5, load=tactel.Press(0.15).drag(0.05, steps=8))
     path = tactel.solve(scene)

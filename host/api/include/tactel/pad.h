@@ -164,7 +164,7 @@ struct PadPaths {
   int axes = 3;                                 ///< of a tactel, of all scenes
   std::vector<std::uint32_t> steps_made;        ///< [scenes]
   std::vector<double> slip_index, force_ratio;  ///< [scenes, steps]
-  std::vector<double> P, M;                     ///< [scenes, steps] N, N mm
+  std::vector<double> P, M;                     ///< [scenes, steps] N, N mm, of the indenter on the rubber
   std::vector<double> Q;                        ///< [scenes, steps, 2] N along x, y
   std::vector<double> indentation, twist;       ///< [scenes, steps] mm, degrees
   std::vector<double> tangential;               ///< [scenes, steps, 2] mm along x, y

@@ -10,7 +10,7 @@
 
 // Contacts inside a simulator or a control loop (docs/stepping.md): each call takes thousands of contacts with one pad
 // an increment on, by the motion or the wrench that is known only then. Lengths in mm, forces in N, torques in N mm,
-// angles in degrees.
+// angles in degrees. Wrenches are those of the object on the rubber, in the axes of the pad (docs/frames.md).
 
 namespace tactel {
 

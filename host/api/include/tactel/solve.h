@@ -117,7 +117,8 @@ TACTEL_API Convergence converge(const Path& path, std::optional<std::size_t> ste
 TACTEL_API void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step = {});
 
 /// Answers of many scenes as arrays, the last index fastest. Steps are those that the loads ask for, on every rung;
-/// `steps` is that of the longest path. Entries beyond a scene's own steps are NaN, and so is S where mu P = 0.
+/// `steps` is that of the longest path. Entries beyond a scene's own steps are NaN, and so is S where mu P = 0. Forces
+/// are those of the indenter on the rubber.
 struct Paths {
   std::size_t scenes = 0, steps = 0, tactels = 0;
   std::vector<std::uint32_t> steps_made;         ///< [scenes]

@@ -12,7 +12,8 @@
 
 namespace tactel {
 
-/// Frames with their answers, as in a set file (docs/sets.md): one row a load step.
+/// Frames with their answers, as in a set file (docs/sets.md): one row a load step. Forces are those of the indenter on
+/// the rubber.
 struct Set {
   std::size_t inputs = 0;                             ///< axes of every tactel
   std::size_t axes = 2;                               ///< stresses of a tactel; of a pad 3, or 1

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import Pad, PadIndenter, PadShape, PadStepper, StepAnswer
+
+def wrench(model: Any, data: Any, pad_geom: str | int, frame: str | int | ArrayLike, at: Sequence[float] = ...) -> NDArray[np.float64]: ...
+
+class Skin:
+    steps: PadStepper
+    def __init__(self, model: Any, pads: Mapping[str | int, str | int | ArrayLike], pad: Pad, friction: ArrayLike, shape: PadShape | PadIndenter | list[PadIndenter],
+                 *, worlds: int = ..., **options: Any) -> None: ...
+    def wrench(self, data: Any) -> NDArray[np.float64]: ...
+    def press(self, wrench: ArrayLike, mask: ArrayLike | None = ...) -> StepAnswer: ...
+    def step(self, data: Any, mask: ArrayLike | None = ...) -> StepAnswer: ...
+    def reset(self, mask: ArrayLike | None = ...) -> None: ...
