@@ -3,7 +3,7 @@
 """Trains a network in PyTorch on contacts that tactel simulates, and writes it as own.onnx.
 
   python examples/own_network.py
-  tactel import-network own.onnx --scaling frame --frames own.csv --output slip.onnx
+  python -m tactel.import_network own.onnx --scaling frame --frames own.csv --output slip.onnx
   tactel monitor --source 'simulate:examples/parabola.toml' --network slip.onnx
 """
 import numpy as np

@@ -7,7 +7,8 @@ string(REPLACE "," ";" names "${FILES}")
 set(table "")
 foreach(name IN LISTS names)
   file(READ "${ROOT}/${name}" text)
-  string(APPEND table "    {R\"embedded(${name})embedded\", R\"embedded(${text})embedded\"},\n")
+  string(LENGTH "${text}" bytes)  # counted here: clang's constexpr has a limit of steps
+  string(APPEND table "    {R\"embedded(${name})embedded\", {R\"embedded(${text})embedded\", ${bytes}}},\n")
 endforeach()
 file(WRITE "${OUTPUT}" "// Made from text files by embed.cmake; edit those.
 #include \"${HEADER}\"

@@ -27,6 +27,7 @@
 
    One work-item takes LANES channels of one contact. Built with -D REAL, LANES. */
 #include "shared/chain_settings.h"
+#include "shared/elementary.h"
 #include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/philox.h"
@@ -47,8 +48,10 @@ typedef struct {
 INLINE vreal unit_number(vuint word) { return (TO_REAL(word >> 9) + ALL_LANES(0.5f)) * ALL_LANES(0x1p-23f); }
 
 INLINE NormalPair normal_pair(vuint a, vuint b) {
-  const vreal radius = sqrt(ALL_LANES(-2) * log(unit_number(a))), half_turns = ALL_LANES(2) * unit_number(b);
-  const NormalPair pair = {radius * cospi(half_turns), radius * sinpi(half_turns)};
+  const vreal radius = sqrt(ALL_LANES(-2) * natural_log(unit_number(a)));
+  vreal sine;
+  const vreal cosine = cos_pi(ALL_LANES(2) * unit_number(b), &sine);
+  const NormalPair pair = {radius * cosine, radius * sine};
   return pair;
 }
 
@@ -67,8 +70,9 @@ INLINE vreal spread_of(const float *ends, vuint word) {
 INLINE void own_filter(const ChainSettings *chain, const float *ends, vuint word, vreal *decay, vreal *pass) {
   if (ends[0] == ends[1]) return;
   const vreal ratio = ALL_LANES(chain->step_time) / spread_of(ends, word);
-  *decay = exp(-ratio);
-  *pass = -expm1(-ratio) / ratio;
+  const vreal grown = exp_minus_1(ratio);
+  *decay = 1 / (1 + grown);
+  *pass = grown / (1 + grown) / ratio;
 }
 
 /* What a sensor has of its own: its charge amplifier and its converter. */
@@ -183,7 +187,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     offset = spread_of(chain.offset_spread, own.word[1]) * spread.second;
   }
   if (of_axes) {
-    const vreal shear = gain * exp(spread_of(chain.shear_gain, skin.word[3]));
+    const vreal shear = gain * exponential(spread_of(chain.shear_gain, skin.word[3]));
     for (uint lane = 0; lane < LANES; ++lane)
       if (vector * LANES + lane >= tactels) ((real *)&gain)[lane] = NUMBER(shear, lane);
   }

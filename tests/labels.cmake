@@ -17,7 +17,7 @@ cmake_policy(VERSION 3.25)
 # device fails.
 set(unit_programs fem layer pad nn hw support figures scenes calibration)
 set(unit_device Balance Cache CachePlace Embedded GroupSupply KernelParameters LayoutList LeftFolder Pace ThreadTeam ThreadTeamDeathTest)
-set(unit_networks OnnxChain OnnxFile)
+set(unit_networks OnnxFile)
 set(unit_answers Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner Quantities RungError SolveOptions)
 set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
 set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram LiveView OpenSource SensorProfile)

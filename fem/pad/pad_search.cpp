@@ -7,6 +7,7 @@
 
 #include "fem/angles.h"
 #include "fem/layer/patch_search.h"
+#include "fem/overloaded.h"
 
 namespace tactel::fem {
 namespace {
@@ -229,9 +230,11 @@ namespace {
 
 /// Whether every frame serves an indenter alike.
 bool is_round(const PadIndenter& indenter) {
-  const PadShape& shape = indenter.shape;
-  return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Cone>(shape) ||
-         (std::holds_alternative<Punch>(shape) && indenter.tilt == 0);
+  return std::visit(Overloaded{[](const Sphere&) { return true; }, [](const Cone&) { return true; },
+                               [&](const Punch&) { return indenter.tilt == 0; }, [](const Box&) { return false; },
+                               [](const Paraboloid&) { return false; }, [](const LyingCylinder&) { return false; },
+                               [](const HeightMap&) { return false; }},
+                    indenter.shape);
 }
 
 /// Makes a box sharp to shared cells, which do not resolve its rounding.

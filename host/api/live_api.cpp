@@ -242,6 +242,7 @@ bool FrameSource::finished() const {
 }
 
 std::size_t FrameSource::inputs() const { return state_->map.places(); }
+std::size_t FrameSource::tactels() const { return state_->map.tactels(); }
 std::string FrameSource::note() const { return state_->note; }
 
 FrameCounts FrameSource::counts() const {

@@ -17,7 +17,6 @@ void add_check_command(CLI::App& app, Action& action);
 void add_train_command(CLI::App& app, Action& action);
 void add_recall_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
-void add_import_network_command(CLI::App& app, Action& action);
 void add_calibrate_plan_command(CLI::App& calibrate, Action& action);
 void add_calibrate_sensor_command(CLI::App& calibrate, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);

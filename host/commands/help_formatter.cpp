@@ -103,7 +103,7 @@ std::string_view group_of(const CLI::Option* option) {
 }
 
 /// A call of every command that a user may copy. `examples/` is in the source tree, and in the packages.
-constexpr std::array<std::string_view, 17> examples = {
+constexpr std::array<std::string_view, 16> examples = {
     "solve examples/parabola.toml --html parabola.html",
     "generate examples/random_sweep.toml --output random.h5",
     "check random.h5",
@@ -112,7 +112,6 @@ constexpr std::array<std::string_view, 17> examples = {
     "calibrate plan board.toml --scene press.toml --output plan.toml",
     "calibrate sensor plan.toml --profile board.toml --output new.toml",
     "calibrate bound networks/bound.onnx other_seed.h5",
-    "import-network torch.onnx --profile board.toml --output slip.onnx",
     "monitor --source usb:glove --network slip.onnx --view",
     "record --source usb:glove --output frames.tactel --seconds 10",
     "tare --source usb:glove --output offsets.toml",

@@ -34,6 +34,9 @@ void show_messages(const CLI::App& command) {
   });
 }
 
+constexpr std::pair<std::string_view, std::string_view> moved_to_python[] = {
+    {"floor", "tactel.floor"}, {"import-network", "tactel.import_network"}};
+
 /// The exit code of a run, after all that it printed is out.
 int finished(int code) {
   const auto lost = lost_output();
@@ -69,10 +72,12 @@ bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> wo
   const std::string word = words.empty() ? "(missing)" : words.front();
   if (known.empty() || app.get_option_no_throw(word) != nullptr) return false;
   if (holds(known, word)) return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
-  if (word == "floor") {
-    complain(wrong_input, "command line: command = floor: belongs to the Python package; python -m tactel.floor");
-    return true;
-  }
+  for (const auto& [moved, module] : moved_to_python)
+    if (word == moved) {
+      complain(wrong_input,
+               fmt::format("command line: command = {}: belongs to the Python package; python -m {}", word, module));
+      return true;
+    }
   complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word,
                                     listed(known), fix_of(app, word), called(app)));
   return true;
@@ -119,7 +124,6 @@ int run(int argc, char** argv) {
   add_train_command(app, action);
   add_recall_command(app, action);
   add_calibrate_command(app, action);
-  add_import_network_command(app, action);
   add_monitor_command(app, action);
   add_record_command(app, action);
   add_tare_command(app, action);

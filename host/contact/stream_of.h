@@ -20,6 +20,14 @@
 
 namespace tactel::host {
 
+/// Returns the scenes of a launch among many: 8192 on a processor; on a GPU 128 for each compute unit, where that is
+/// more.
+inline std::size_t scenes_of_a_part(const DeviceInfo& device) {
+  const std::size_t least = 8192, each_unit = 128;
+  return device.type == DeviceType::cpu ? least
+                                        : std::max(least, each_unit * static_cast<std::size_t>(device.compute_units));
+}
+
 /// Scenes of one launch: they are added, laid out in lanes, run and read.
 template <class Kind>
 class ContactLaunch {
@@ -293,10 +301,11 @@ class StreamOf {
              const std::function<bool(std::size_t done)>& progress) const {
     std::vector<std::size_t> order;
     for (const auto& group : alike(scenes)) order.insert(order.end(), group.begin(), group.end());
+    const std::size_t most = scenes_of_a_part(executor_.device().info());
     const auto begin = [&](std::size_t first) {
       return std::async(std::launch::async, [&, first] {
         Part part;
-        for (std::size_t k = first; k < std::min(first + most_scenes_of_a_part, order.size()); ++k)
+        for (std::size_t k = first; k < std::min(first + most, order.size()); ++k)
           add(part, scenes[order[k]], Kind::path(scenes[order[k]]));
         part.lay_out();
         return part;
@@ -313,10 +322,10 @@ class StreamOf {
     };
     std::future<void> gathered;
     std::future<Part> next;
-    for (std::size_t first = 0; first < order.size(); first += most_scenes_of_a_part) {
+    for (std::size_t first = 0; first < order.size(); first += most) {
       if (!progress(first)) return false;
       auto part = std::make_shared<Part>(first == 0 ? begin(0).get() : next.get());
-      if (first + most_scenes_of_a_part < order.size()) next = begin(first + most_scenes_of_a_part);
+      if (first + most < order.size()) next = begin(first + most);
       part->run();
       if (gathered.valid()) gathered.get();
       gathered = std::async(std::launch::async, [&gather, part, first] { gather(*part, first); });
@@ -350,7 +359,6 @@ class StreamOf {
     return kept_.front().second;
   }
 
-  static constexpr std::size_t most_scenes_of_a_part = 8192;
   static constexpr std::size_t solved_again_at_once = 64;  ///< each may take a second
   /// Contacts between the request of an answer and its use: some 5 kB.
   static constexpr std::size_t fetched_ahead = 2;

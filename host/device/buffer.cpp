@@ -53,7 +53,7 @@ struct RawBuffer::State {
       if (auto spare = memory.spare.extract(bytes))
         buffer = std::move(spare.mapped()), memory.bytes -= bytes;
       else
-        buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
+        check_size(), buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
       if (device.poisons())
         transfer([&](cl::CommandQueue& queue) {
           queue.enqueueFillBuffer(buffer, cl_uchar{0xff}, 0, bytes);
@@ -75,6 +75,14 @@ struct RawBuffer::State {
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
+
+  /// Drivers answer a buffer that is too large in their own ways, some at its first use.
+  void check_size() const {
+    const std::size_t most = device.cl_device().getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+    if (bytes > most)
+      throw DeviceError("clCreateBuffer", std::to_string(bytes >> 20) + " MB in one buffer", device.info().name,
+                        "the device allows " + std::to_string(most >> 20) + " MB: take fewer contacts or rows at once");
+  }
 
   /// Calls `use` with the queue of transfers, one thread at a time: a blocking call of PoCL's `basic` returns although
   /// its command waits for another thread's in the same queue.

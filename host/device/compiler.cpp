@@ -42,6 +42,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto longest_turn = 60s;                // far more than a program takes
+constexpr auto longest_compilation = 15min;       // a minute on a machine that is busy
 constexpr auto glance = 20ms;                     // between two looks at what is waited for
 constexpr int idle_milliseconds = 2000;           // after which the compiling process ends
 constexpr std::size_t longest_message = 1 << 26;  // bytes
@@ -78,6 +79,9 @@ std::optional<cl::Program> load(const Device& device, const ProgramText& program
 } catch (const cl::Error&) {
   return std::nullopt;
 }
+
+/// What the cache keeps of a program of other drivers, once it was compiled in a process of its own.
+constexpr const char* survived = "compiled";
 
 /// Gives a kernel arguments of the right size that mean nothing: a launch without groups reads none.
 void set_any_arguments(cl::Kernel& kernel, const std::vector<KernelParameter>& parameters) {
@@ -126,6 +130,15 @@ void keep(const CompileCache& cache, const std::string& key, const Device& devic
   if (binaries.size() != 1) return;
   const std::string binary(binaries[0].begin(), binaries[0].end());
   if (load(device, program, binary)) cache.keep_program(key, binary);
+}
+
+/// For the process that asked: keeps the binary, or only that the driver compiles it and starts its kernels.
+void compile_and_keep(const CompileCache& cache, const Device& device, const ProgramText& program) {
+  cl::Program built = compile(device, program);
+  const std::string key = key_of(device, program);
+  if (keeps_binaries(device)) return keep(cache, key, device, program, built);
+  compile_kernels(device, built, program.text);
+  cache.keep_program(key, survived);
 }
 
 // Messages between the two processes: strings, each behind its length.
@@ -186,10 +199,16 @@ class CompilingProcess {
       const std::optional<std::string> answer = sent ? await_answer(asked_before) : std::nullopt;
       if (answer) return check(*answer, device, program);
       const int status = end();
+      if (late_)
+        throw DeviceError("compiling " + program.name, "no end after 15 minutes", device.info().name,
+                          "update the driver, or choose another --device");
       if (again && WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;  // it had nothing to do for long
       const std::string advice = cache.advice();
+      const char* const other = keeps_binaries(device) ? "close other programs: memory may be short"
+                                                       : "the driver's compiler fails: update the driver, or choose "
+                                                         "another --device";
       throw DeviceError("compiling " + program.name, ending_text(status), device.info().name,
-                        advice.empty() ? "close other programs: memory may be short" : advice);
+                        advice.empty() ? other : advice);
     }
   }
 
@@ -202,10 +221,13 @@ class CompilingProcess {
 
   /// Empty where the process ended.
   std::optional<std::string> await_answer(bool asked_before) {
+    const auto latest = Clock::now() + longest_compilation;
     for (pollfd wait{socket_, POLLIN, 0};;) {
       if (::poll(&wait, 1, static_cast<int>(glance.count())) > 0) return receive_text(socket_);
-      if (asked_before || !Interrupt::seen()) continue;
+      late_ = Clock::now() > latest;
+      if (!late_ && (asked_before || !Interrupt::seen())) continue;
       ::kill(-child_, SIGKILL);
+      if (late_) return std::nullopt;
       end();
       throw Stopped("stopped while kernels were compiled");
     }
@@ -254,6 +276,7 @@ class CompilingProcess {
 
   pid_t child_ = -1;
   int socket_ = -1;
+  bool late_ = false;
 };
 
 CompilingProcess& compiling_process() {
@@ -314,6 +337,16 @@ cl::Program compile_for_all(const Device& device, const ProgramText& program, co
   return built;
 }
 
+/// A compiler that nobody has tried on this program may end its process, or never end. So another process tries it,
+/// once.
+void try_first(const Device& device, const ProgramText& program) {
+  static std::mutex one_thread;
+  const CompileCache* const cache = compile_cache();
+  if (!cache || compiling_process().words.empty() || cache->program(key_of(device, program)) == survived) return;
+  const std::lock_guard lock(one_thread);
+  compiling_process().compile(device, program, *cache, Interrupt::seen());
+}
+
 /// Ends this process without what others do at an exit: the compiler may hold locks.
 [[noreturn]] void give_up() { ::_exit(1); }
 
@@ -323,7 +356,10 @@ cl::Program built_program(const Device& device, const ProgramText& program) {
   const CompileCache* const cache = keeps_binaries(device) ? compile_cache() : nullptr;
   if (!cache) {
     const BusyMessage busy(device, "compiling " + program.name + " for this device (once)");
-    if (keeps_binaries(device)) check_space(device, program);
+    if (keeps_binaries(device))
+      check_space(device, program);
+    else
+      try_first(device, program);
     return compile(device, program);
   }
   const std::string key = key_of(device, program);
@@ -349,7 +385,7 @@ int compile_for_parent(const std::filesystem::path& folder, const std::filesyste
         static const int at_exit = std::atexit(give_up);  // before LLVM's own
         (void)at_exit;
       }
-      keep(*compile_cache(), key_of(*device, program), *device, program, compile(*device, program));
+      compile_and_keep(*compile_cache(), *device, program);
     } catch (const KernelBuildError& error) {
       answer = build_failed + error.log;
     } catch (const std::exception& error) {

@@ -428,7 +428,11 @@ Device Device::for_training() const {
   if (info().type == DeviceType::cpu) return *this;
   const int processor =
       best_match(list_devices(), [](const DeviceInfo& other) { return other.type == DeviceType::cpu; });
-  return processor < 0 ? *this : Device(std::to_string(processor), state_->log);
+  if (processor >= 0) return Device(std::to_string(processor), state_->log);
+  log(LogLevel::warning, info().name +
+                             " trains each network on one work-item, as this machine has no OpenCL device of " +
+                             "its processor: install one (apt install pocl-opencl-icd)");
+  return *this;
 }
 
 bool Device::short_code() const { return state_->short_code; }

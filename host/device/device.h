@@ -104,7 +104,7 @@ class Device {
   /// time, with one lane and rolled loops. Shares the context.
   Device for_one_contact() const;
   /// Returns the device that trains networks for this one: of a GPU, where one network is one work-item, the best
-  /// processor. The same device where there is none.
+  /// processor. The same device where there is none, with a warning.
   Device for_training() const;
   bool short_code() const;  ///< whether kernels keep their loops rolled (kernels/shared/unroll.h)
 

@@ -2,6 +2,7 @@
 #include "host/device/launcher.h"
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 
 #include "host/support/interrupt.h"
@@ -11,7 +12,13 @@ namespace tactel::host {
 namespace {
 
 constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
-constexpr std::size_t gpu_local_size = 64;
+constexpr std::size_t gpu_local_size = 64;  ///< where the kernel's private memory allows so many
+
+/// PoCL compiles a kernel for each local size, and aborts where threads launch it meanwhile.
+std::mutex& new_local_size() {
+  static std::mutex one_at_a_time;
+  return one_at_a_time;
+}
 
 }  // namespace
 
@@ -23,7 +30,11 @@ std::size_t Launcher::widest_launch() const {
   return device_.info().type == DeviceType::cpu ? widest_cpu_launch : widest_gpu_launch;
 }
 
-std::size_t Launcher::local_size() const { return device_.info().type == DeviceType::cpu ? 1 : gpu_local_size; }
+std::size_t Launcher::local_size(const cl::Kernel& kernel) const {
+  if (device_.info().type == DeviceType::cpu) return 1;
+  const std::size_t most = kernel.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device_.cl_device());
+  return std::bit_floor(std::clamp<std::size_t>(most, 1, gpu_local_size));
+}
 
 void Launcher::enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
                        std::size_t local) {
@@ -33,15 +44,15 @@ void Launcher::enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t 
 }
 
 void Launcher::compile(Launch::State& launch) {
-  static std::mutex one_at_a_time;
   if (launch.compiled) return;
+  launch.local = translated(device_.info().name, [&] { return local_size(launch.kernels[0]); });
   if (launch.program.takes_group(launch.kernel)) {
     const HeldSignals held(HeldSignals::handled);
-    const std::lock_guard lock(one_at_a_time);
+    const std::lock_guard lock(new_local_size());
     launch.widest = widest_launch();
-    const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
+    const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : launch.local;
     on_spare_queue([&](cl::CommandQueue& queue) {
-      enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, local_size());
+      enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, launch.local);
       queue.finish();
     });
   } else {
@@ -56,9 +67,13 @@ void Launcher::launch_on(cl::CommandQueue& queue, Launch::State& launch, int thr
                          std::size_t count) {
   for (const std::size_t end = first + count; first < end; first += count) {
     count = std::min(end - first, launch.widest);
-    const std::size_t ragged = count % local_size();
-    enqueue(queue, launch.kernels[thread], first, count - ragged, local_size());
+    const std::size_t ragged = count % launch.local;
+    enqueue(queue, launch.kernels[thread], first, count - ragged, launch.local);
+    if (ragged == 0) continue;
+    std::unique_lock alone(new_local_size(), std::defer_lock);
+    if (is_pocl(device_.info())) queue.finish(), alone.lock();
     enqueue(queue, launch.kernels[thread], first + count - ragged, ragged, ragged);
+    if (alone) queue.finish();
   }
   queue.finish();
 }

@@ -20,6 +20,7 @@ struct Launch::State {
   double seconds_per_group = 0;                                      ///< in the last run; 0: not run yet
   bool compiled = false;                                             ///< by a launch
   std::size_t widest = 1;                                            ///< groups in one launch
+  std::size_t local = 1;                                             ///< groups in one work-group
   std::vector<KernelParameter> parameters{};                         ///< of the kernel
   std::unique_ptr<std::mutex> use = std::make_unique<std::mutex>();  ///< held by a run: kernel objects have its groups
 
@@ -49,7 +50,7 @@ class Launcher {
                       std::size_t local);
 
  private:
-  std::size_t local_size() const;
+  std::size_t local_size(const cl::Kernel& kernel) const;
   void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
   template <class Use>
   void on_spare_queue(const Use& use);

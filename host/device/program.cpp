@@ -53,7 +53,8 @@ void expand(std::string_view name, std::string_view text, std::set<std::string, 
 // Whether single precision's quotients and roots are rounded correctly only where the program asks for it. On PoCL's
 // processors they always are.
 bool rounds_on_demand(const Device& device) {
-  return !is_pocl(device.info()) &&
+  const bool processor = (device.cl_device().getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+  return !(is_pocl(device.info()) && processor) &&
          (device.cl_device().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
 }
 

@@ -60,19 +60,6 @@ void check(const DenseChain& chain) {
 
 }  // namespace
 
-double evaluate(const DenseChain& chain, const nn::Vector<double>& frame) {
-  nn::Vector<double> x = frame;
-  for (const DenseLayer& layer : chain) {
-    const nn::Vector<double> sums = layer.weights * x + layer.bias;
-    x = sums.unaryExpr([&](double z) {
-      if (layer.activation == Activation::sigmoid) return 1 / (1 + std::exp(-z));
-      if (layer.activation == Activation::tanh) return std::tanh(z);
-      return z > 0 ? z : layer.slope * z;
-    });
-  }
-  return x[0];
-}
-
 nn::Weights<float> weights_of_chain(const DenseChain& chain) {
   check(chain);
   std::vector<int> widths{static_cast<int>(chain.front().weights.cols())};

@@ -20,9 +20,6 @@ struct DenseLayer {
 /// A chain of dense layers; the last gives S.
 using DenseChain = std::vector<DenseLayer>;
 
-/// Returns S of a scaled frame [inputs], in fp64, layer by layer.
-double evaluate(const DenseChain& chain, const nn::Vector<double>& frame);
-
 /// Returns the weights of the same function in tactel's neurons, f(z) = 1/2 tanh(z/2) and the leaky rectifier of slope
 /// a = 0.01. With z the sum of a neuron:
 ///   sigmoid(z) = f(z) + 1/2,  tanh(z) = 2 f(2z),

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "host/python/bindings.h"
 
@@ -175,9 +176,23 @@ std::string text_of(const AlarmAnswer& said) {
   return all + ")";
 }
 
+/// A value for all hidden layers, or one for each.
+template <class Value>
+using OneOrEach = std::variant<Value, std::vector<Value>>;
+
+template <class Value>
+Value of_layer(const OneOrEach<Value>& values, std::size_t layer, const char* name) {
+  if (const Value* const one = std::get_if<Value>(&values)) return *one;
+  const auto& each = std::get<std::vector<Value>>(values);
+  if (layer >= each.size())
+    throw InputError(name, std::to_string(each.size()) + " values", "one for each hidden layer");
+  return each[layer];
+}
+
 Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames>& biases,
-                    const std::string& activation, double slope, std::string scaling, double largest_stress, int axes,
-                    std::string history, std::optional<double> history_change, std::string name, std::string target) {
+                    const OneOrEach<std::string>& activation, const OneOrEach<double>& slope, std::string scaling,
+                    double largest_stress, int axes, std::string history, std::optional<double> history_change,
+                    std::string name, std::string target) {
   if (weights.size() != biases.size())
     throw InputError("biases", std::to_string(biases.size()) + " arrays", "one for each of weights");
   std::vector<DenseLayer> layers;
@@ -188,8 +203,8 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
                       static_cast<std::size_t>(w.shape(0)),
                       {w.data(), w.data() + w.size()},
                       {b.data(), b.data() + b.size()},
-                      l + 1 < weights.size() ? activation : "sigmoid",
-                      slope});
+                      l + 1 < weights.size() ? of_layer(activation, l, "activation") : "sigmoid",
+                      l + 1 < weights.size() ? of_layer(slope, l, "slope") : 0});
   }
   return Network::from_layers(layers, {std::move(scaling), largest_stress, axes, std::move(history), history_change,
                                        std::move(name), std::move(target)});
@@ -253,7 +268,8 @@ void bind_networks(py::module_& m) {
           "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "axes"_a = 2, "history"_a = "",
           "history_change"_a = py::none(), "name"_a = "own", "target"_a = "slip_index",
           "Returns a network that another program trained: weights [out, in] and biases [out] of one or two "
-          "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu), and of one output through "
+          "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu; one for all or a list) and slope, "
+          "and of one output through "
           "a sigmoid, which is the target. axes: stresses of a tactel, of a pad 3 or 1. scaling: set, frame or rest.")
       .def(
           "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },

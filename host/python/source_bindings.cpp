@@ -90,6 +90,7 @@ void bind_sources(py::module_& m) {
       .def_property_readonly("finished", [](Source& source) { return source.open().finished(); })
       .def_property_readonly(
           "inputs", [](Source& source) { return source.open().inputs(); }, "2 tactels")
+      .def_property_readonly("tactels", [](Source& source) { return source.open().tactels(); })
       .def_property_readonly("note", [](Source& source) { return source.open().note(); })
       .def_property_readonly("counts", &counts_of,
                              "frames, lost, bad, resynchronised, overruns, stalls, errors, reconnects");

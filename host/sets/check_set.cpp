@@ -94,7 +94,9 @@ class Checker {
       if (progress_ && !progress_(check_.chunks, all_)) check_.finished = false;
     }
     if (check_.finished && whole && !column.sealed(sum))
-      note(name, 0, column.rows, "other numbers, name or attributes than those written, or another order");
+      note(name, 0, column.rows,
+           column.copied ? "copied in another form (filter, width or byte order): its checksum cannot judge it"
+                         : "other numbers, name or attributes than those written, or another order");
   }
 
   template <class T>

@@ -65,6 +65,18 @@ bool compressed(hid_t plan) {
   return false;
 }
 
+/// The filter of a dataset that this HDF5 lacks, as LZF of h5py; empty where it has all.
+std::string missing_filter(hid_t plan) {
+  for (int i = 0; i < H5Pget_nfilters(plan); ++i) {
+    unsigned flags = 0, parameters = 0;
+    std::size_t values = 0;
+    char name[64] = "";
+    const auto filter = H5Pget_filter2(plan, i, &flags, &values, nullptr, sizeof name, name, &parameters);
+    if (H5Zfilter_avail(filter) <= 0) return fmt::format("packed by the filter {} ({})", name, filter);
+  }
+  return "";
+}
+
 /// The place of Fletcher32 among the filters of a dataset; -1: it has none.
 int fletcher_place(hid_t plan) {
   for (int i = 0; i < H5Pget_nfilters(plan); ++i) {
@@ -214,6 +226,10 @@ bool SetFile::Column::sealed(const RunningChecksum& numbers) const {
 void SetFile::look_at_layout(const std::string& name, Column& column) const {
   const Handle plan(H5Dget_create_plist(column.data_), H5Pclose), stored(H5Dget_type(column.data_), H5Tclose);
   const H5D_layout_t layout = H5Pget_layout(plan);
+  if (const std::string missing = missing_filter(plan); !missing.empty())
+    refuse(name, missing, "packed by gzip or not at all: h5repack -f NONE COPY.h5 SET.h5 where that filter is");
+  column.copied = compressed(plan) || H5Tget_order(stored) == H5T_ORDER_BE ||
+                  (H5Tget_class(stored) == H5T_FLOAT && H5Tget_size(stored) != sizeof(float));
   if (layout == H5D_CHUNKED) {
     hsize_t chunk[H5S_MAX_RANK] = {0};
     if (H5Pget_chunk(plan, H5S_MAX_RANK, chunk) < 1) refuse(name, "unreadable", as_written);

@@ -41,6 +41,7 @@ class SetFile {
     std::uint64_t rows = 0;
     int columns = 0;               ///< 0: a plain list
     std::uint64_t chunk_rows = 0;  ///< 0: stored in one piece
+    bool copied = false;           ///< packed, or of another width or byte order than tactel writes
     /// Returns whether the dataset has its seal (dataset_seal), with these numbers.
     bool sealed(const RunningChecksum& numbers) const;
 

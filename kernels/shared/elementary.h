@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Logarithm and exponential on vectors of lanes. Written out, so that every number of lanes gives the same bits. Device
-   only. */
+/* Logarithm, exponential, sine and cosine on vectors of lanes. Written out, so that every number of lanes and every
+   OpenCL gives the same bits: kernels call no other (tests/kernels/check_builtins.py). Device only. */
 #ifndef TACTEL_SHARED_ELEMENTARY_H
 #define TACTEL_SHARED_ELEMENTARY_H
 #include "shared/lanes.h"
@@ -23,11 +23,13 @@
 #define EXPONENT_BIAS 1023
 #define LOGARITHM_TERMS 11 /* of 2 atanh(s), |s| <= 0.172: the next is below 1e-17 */
 #define EXPONENTIAL_TERMS 14
+#define TURN_TERMS 9 /* of cos t, |t| <= pi/4: the next is below 1e-20 */
 #else
 #define FRACTION_BITS 23
 #define EXPONENT_BIAS 127
 #define LOGARITHM_TERMS 5
 #define EXPONENTIAL_TERMS 8
+#define TURN_TERMS 5 /* the next is below 2e-10 */
 #endif
 
 /* Of x > 0, normal and finite: x = 2^e m with m from sqrt(1/2) to sqrt(2), ln m = 2 atanh((m - 1) / (m + 1)). */
@@ -56,6 +58,29 @@ static inline vreal exp_minus_1(vreal x) {
   EACH(n, EXPONENTIAL_TERMS - 1) { sum = fma(sum * r, ALL_LANES((real)1 / (EXPONENTIAL_TERMS - n)), ALL_LANES(1)); }
   const vreal power = AS_VREAL((k + EXPONENT_BIAS) << FRACTION_BITS);
   return fma(power, sum * r, power - 1);
+}
+
+/* e^z for |z| <= 80; beyond, the value there. */
+static inline vreal exponential(vreal z) {
+  const vreal e = 1 + exp_minus_1(fabs(z));
+  return PICK(z < 0, 1 / e, e);
+}
+
+/* cos(pi x) and sin(pi x), 0 <= x <= 2. x = k / 2 + r with |r| <= 1/4, and Taylor's sums of pi r. */
+static inline vreal cos_pi(vreal x, vreal *sine) {
+  const vint k = TO_VINT(rint(x + x));
+  const vreal t = ALL_LANES((real)3.14159265358979324) * fma(TO_VREAL(k), ALL_LANES((real)-0.5), x), t2 = -t * t;
+  vreal c = ALL_LANES(1), s = ALL_LANES(1);
+  EACH(n, TURN_TERMS) {
+    const int j = 2 * (TURN_TERMS - n);
+    c = fma(t2 * c, ALL_LANES((real)1 / (j * (j - 1))), ALL_LANES(1));
+    s = fma(t2 * s, ALL_LANES((real)1 / (j * (j + 1))), ALL_LANES(1));
+  }
+  s *= t;
+  const vint odd = (k & 1) != 0, back = ((k + 1) & 2) != 0, down = (k & 2) != 0;
+  const vreal along = PICK(odd, s, c), across = PICK(odd, c, s);
+  *sine = PICK(down, -across, across);
+  return PICK(back, -along, along);
 }
 
 /* ratio^(1 / power), between 0.1 and 10: of depths, by the ratio of forces. */

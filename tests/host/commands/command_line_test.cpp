@@ -70,9 +70,9 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
 }
 
 std::vector<std::string> every_command() {
-  return {"solve",           "generate",       "check",   "train",  "recall", "calibrate plan", "calibrate sensor",
-          "calibrate bound", "import-network", "monitor", "record", "tare",   "reproduce",      "tradeoff",
-          "extremes",        "devices",        "demo"};
+  return {"solve",           "generate", "check",  "train", "recall",    "calibrate plan", "calibrate sensor",
+          "calibrate bound", "monitor",  "record", "tare",  "reproduce", "tradeoff",       "extremes",
+          "devices",         "demo"};
 }
 
 ChildResult help_of(const std::string& command) {

@@ -148,6 +148,20 @@ TEST_F(SolveWithCache, NoThreadsEndInWords) {
   EXPECT_TRUE(is_refused(result, {"Resource temporarily unavailable", "ulimit -u"}, 3));
 }
 
+// The compiler of a driver that nobody knows runs in another process first, for each program once.
+TEST_F(SolveWithCache, AnUnknownDriverMayCrash) {
+  const std::string preload = "export LD_PRELOAD=" TACTEL_UNKNOWN_DRIVER "; ";
+  const ChildResult crash = in_shell(folder_, preload + "CRASH=1 $solve > answer");
+  EXPECT_TRUE(is_refused(crash, {"compiling gap_sweep.cl", "signal 11", "choose another --device"}, 3));
+  const ChildResult good = in_shell(folder_, "$solve > known; " + preload + R"(
+    $solve > first || exit 10
+    cmp known first || exit 11
+    ls $cache/programs > programs
+    $solve > second && cmp first second && ls $cache/programs | cmp - programs)");
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_EQ(kept_and_left(folder_ / "cache/pocl"), std::pair(2, 0));
+}
+
 // A log has one line for all compilations.
 TEST_F(SolveWithCache, SaysOnceThatItCompiles) {
   const ChildResult result = in_shell(folder_, "$solve > answer");

@@ -162,6 +162,19 @@ TEST(ContactStream, EndsWhereProgressSaysSo) {
   EXPECT_EQ(answers, 8192);
 }
 
+// 132 compute units, which a launch of 8192 scenes would leave idle for the most part.
+TEST(ContactStream, AGpuHasLongerLaunches) {
+  std::map<int, int> launches;
+  Executor posed(device("basic").as_gpu());
+  const StreamOf<Counting> stream(posed, &launches);
+  const auto scenes = counting_scenes(20000);
+  std::vector<std::size_t> progress;
+  EXPECT_TRUE(stream.solve(
+      scenes, [](std::size_t, const LaneAnswer&, auto&&) {}, [](std::size_t, int&&) {},
+      [&](std::size_t done) { return progress.push_back(done), true; }));
+  EXPECT_EQ(progress, (std::vector<std::size_t>{0, 128 * 132}));
+}
+
 TEST(ContactStream, ALaunchIsNotLongerThanItsMemory) {
   std::map<int, int> launches;
   const StreamOf<Counting> stream(executor(), &launches);

@@ -251,6 +251,9 @@ TEST(CheckSet, FindsEveryEdit) {
   EXPECT_NE(attribute.out.find("edited_seed.h5: attributes, or names of datasets, other"), std::string::npos);
   EXPECT_EQ(link.exit_code, 4);
   EXPECT_NE(link.out.find("slip_index: rows 0 to 19999: a link"), std::string::npos) << link.out;
+  for (const char* form : {"copied_gzip", "copied_float64", "copied_big_endian"})
+    EXPECT_NE(check(form).out.find("slip_index: rows 0 to 19999: copied in another form"), std::string::npos) << form;
+  EXPECT_NE(check("copied_lzf").out.find("packed by the filter lzf"), std::string::npos) << check("copied_lzf").out;
   const ChildResult old = check("deleted_checksum");
   EXPECT_EQ(old.exit_code, 2);
   EXPECT_NE(old.err.find("generate it anew"), std::string::npos) << old.err;

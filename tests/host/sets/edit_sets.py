@@ -42,6 +42,11 @@ for key in texts:
 for key in counts:
     with edit(f"edited_{key}") as file:
         file.attrs.modify(key, file.attrs[key] + np.uint64(1))
+for form, options in (("gzip", {"compression": "gzip"}), ("lzf", {"compression": "lzf"}), ("float64", {"dtype": "<f8"}), ("big_endian", {"dtype": ">f4"})):
+    with edit(f"copied_{form}") as file:
+        values, attributes = file["slip_index"][:], {key: file["slip_index"].attrs[key] for key in ("checksum", "unit") if key in file["slip_index"].attrs}
+        del file["slip_index"]
+        file.create_dataset("slip_index", data=values, chunks=(8192,), **options).attrs.update(attributes)
 with edit("added_attribute") as file:
     file.attrs["note"] = "mine"
 for name, key in (("inputs", "unit"), ("parameters", "unit"), ("parameters", "columns"), ("parameters", "units"),

@@ -27,8 +27,8 @@ using tactel::testing::TransducerCase;
 
 class TransducerChannels : public ::testing::TestWithParam<int> {};
 
-// Stresses of 1 through at most 11 steps, each with a handful of roundings of 6e-8; log, sqrt and cospi of OpenCL are
-// good to 4 units in the last place, on normal numbers of at most 5.8 times 0.03.
+// Stresses of 1 through at most 11 steps, each with a handful of roundings of 6e-8; the functions of elementary.h are
+// good to 2 units in the last place, on normal numbers of at most 5.8 times 0.03.
 TEST_P(TransducerChannels, MatchesTwin) {
   const int channels = GetParam();
   for (const int contacts : {1, 2, 15, 16, 17, 100}) {

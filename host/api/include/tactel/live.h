@@ -119,7 +119,8 @@ class TACTEL_API FrameSource {
   /// Returns true at the end of the source, once all frames are taken.
   bool finished() const;
 
-  std::size_t inputs() const;  ///< numbers of a frame
+  std::size_t inputs() const;   ///< numbers of a frame
+  std::size_t tactels() const;  ///< of which each has one of the frame's normal stresses
   FrameCounts counts() const;
   /// Returns a note for the user, such as which of several devices was opened; usually empty.
   std::string note() const;
