@@ -71,8 +71,7 @@ std::string line_text(const MonitorRequest& request, const MonitorLine& line, co
 
 std::string silence_text(double seconds, double arrival, bool alarm) {
   return fmt::format(
-      "{{\"frame\": null, \"device_time\": null, \"arrival\": {}, \"silence\": {:.1f}, \"alarm\": {}, "
-      "\"cannot_tell\": true, \"why\": \"silent\"}}",
+      "{{\"arrival\": {}, \"silence\": {:.1f}, \"alarm\": {}, \"cannot_tell\": true, \"why\": \"silent\"}}",
       json_number(arrival), seconds, alarm);
 }
 

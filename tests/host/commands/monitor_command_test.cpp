@@ -124,7 +124,7 @@ TEST_F(Monitor, ASilentSensorCannotTell) {
   const auto lines = monitor(" --alarm 0.1");
   ASSERT_EQ(lines.size(), 4u);
   for (const std::size_t k : {1u, 2u}) {
-    EXPECT_TRUE(lines[k]["frame"].is_null());
+    EXPECT_FALSE(lines[k].contains("frame"));
     EXPECT_EQ(lines[k]["alarm"], false);
     EXPECT_EQ(lines[k]["cannot_tell"], true);
     EXPECT_EQ(lines[k]["why"], "silent");
