@@ -6,6 +6,13 @@
 
 namespace tactel::hw {
 
+/// How a hand trembles that holds.
+struct RecordedHold {
+  std::vector<double> covariance;            ///< [moments (moments + 1) / 2], as of tactel::HeldGrip; empty: none
+  double at = 0;                             ///< as of tactel::HeldGrip; 0: of others, for tactel tare --hold
+  double seconds = 0, rate = 0, margin = 0;  ///< of the hold; Hz, of its frames; at over the largest of the hold
+};
+
 /// Conversion of the reading of a channel to a stress: (reading - offset) gain.
 struct Calibration {
   std::vector<double> offset;   ///< [channels] reading at rest, in the device's units
@@ -15,6 +22,8 @@ struct Calibration {
   bool zero_told = false;       ///< by an offset: a gain that is told later has it, too
   double moved = 0;             ///< `at` of an alarm of AlarmSignal::moved; 0: not known
   double slid = 0;              ///< `at` of an alarm of a network of slid; 0: not known
+  RecordedHold hold{};
+  std::vector<double> slide{};  ///< [pads] Q / P with its torque of a slide; empty: none was recorded
 };
 
 /// Channels of the stresses of each tactel, and their calibration. -1: no channel, the stress is 0. A frame has a place

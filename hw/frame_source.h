@@ -49,6 +49,8 @@ class FrameSource {
   virtual bool finished() const = 0;
   /// Returns true where the source runs by the clock. A live source loses what is not read; the others wait.
   virtual bool live() const = 0;
+  /// Returns false where neither frames nor packets have a time, as lines of a file without one.
+  virtual bool timed() const { return true; }
   /// Returns the current time of the clock of arrivals, s. now() - arrival is the age of a packet.
   virtual double now() const = 0;
   virtual TransportCounts counts() const = 0;

@@ -20,7 +20,7 @@ set(unit_device Balance Cache CachePlace Embedded GroupSupply KernelParameters L
 set(unit_networks OnnxFile)
 set(unit_answers Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner Quantities RungError SolveOptions)
 set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
-set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram LiveView OpenSource SensorProfile)
+set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram Left LiveView OpenSource SensorProfile)
 set(unit_training AlarmCounting BoundReport TrainingSources)
 set(unit_api CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
 set(unit_studies HandPress InverseReport LoopDrift RealSensorPlan SceneMix TradeoffReport)

@@ -41,6 +41,7 @@ CsvSource::CsvSource(const std::string& path, std::size_t channels, bool paced, 
   if (file_ < 0 || ::fstat(file_, &status) != 0)
     throw hw::RecordingError(name_ + ": cannot be read: " + std::strerror(errno));
   live_ = !S_ISREG(status.st_mode);
+  lines_.take_gaps(live_);
   device_ = ::isatty(file_) != 0 && ::tcgetsid(file_) < 0;
   if (live_ && paced) throw hw::RecordingError(name_ + ": has a pace of its own; leave paced=1 out");
 }

@@ -20,8 +20,8 @@ namespace tactel::host {
 /// they are read. A pipe is live: its frames arrive when they are read, and wait in the pipe until then. A last line
 /// without its end is left out, and cut_short() says so.
 ///
-/// A line that is no frame is an error in a file. A pipe goes on: it counts the line as bad, and fails where none of
-/// its first 100 lines is a frame.
+/// A line that is no frame is an error in a file. A pipe goes on: a field that is no number is NaN, a line without any
+/// or with others too many counts as bad, and it fails where none of its first 100 lines is a frame.
 ///
 /// A log may hold the lines of several sensors, told apart by a column "sensor_id": `sensor` chooses those of one.
 class CsvSource final : public hw::FrameSource {
@@ -39,6 +39,7 @@ class CsvSource final : public hw::FrameSource {
   std::optional<hw::Packet> wait(double timeout) override;
   bool finished() const override { return ended_ && !held_ && !has_line(); }
   bool live() const override { return live_; }
+  bool timed() const override { return live_ || lines_.has_time(); }
   double now() const override { return live_ ? seconds_since(opened_) : pace_.now(); }
   hw::TransportCounts counts() const override;
   bool cut_short() const override { return cut_short_; }

@@ -30,7 +30,7 @@ void check_zero(const SensorProfile& profile) {
 
 void check_networks(std::span<const nn::Model> networks, const SensorProfile& profile, AlarmSignal signal) {
   check_zero(profile);
-  if (networks.empty() && signal == AlarmSignal::moved) return;
+  if (networks.empty() && signal != AlarmSignal::slip) return;
   const std::size_t pads = std::max<std::size_t>(profile.pads.size(), 1);
   const auto bounded = static_cast<std::size_t>(
       std::ranges::count_if(networks, [](const nn::Model& network) { return network.bound.has_value(); }));
@@ -50,6 +50,10 @@ void take_largest(MonitorLine& line) {
   line.acted_on = line.pads.front().acted_on;
   for (const AlarmAnswer& pad : line.pads) {
     line.alarm |= pad.on, line.cannot_tell |= pad.cannot_tell, line.no_answer |= std::isnan(pad.acted_on);
+    line.released |= pad.released;
+    if (line.why == CannotTell::none) line.why = pad.why;
+    line.left = std::fmax(line.left, pad.left), line.calm = std::fmax(line.calm, pad.calm);
+    line.index = std::fmin(line.index, pad.index);
     if (pad.contact) line.contact = line.contact.value_or(false) || *pad.contact;
     if (pad.rest) line.rest = line.rest.value_or(false) || *pad.rest;
     line.moved = std::fmax(line.moved, pad.moved);
@@ -64,16 +68,33 @@ void take_largest(MonitorLine& line) {
   line.answer = largest;
 }
 
+/// Whether a network's smallest peak bounds what touches.
+bool has_peak(const MonitorOptions& options, const SlipEstimator* network) {
+  return network && !network->needs_rest() && options.signal != AlarmSignal::left;
+}
+
 /// touch: MPa, of options or profile.
 AlarmOptions rules_of(const MonitorOptions& options, const SlipEstimator* network, double touch) {
-  return {
-      options.at,
-      options.touch.value_or(std::max<double>(touch, network && !network->needs_rest() ? network->smallest_peak() : 0)),
-      options.widest,
-      options.hold,
-      options.ignore_unlike,
-      options.rest,
-      options.signal};
+  return {options.at,
+          options.touch.value_or(std::max<double>(touch, has_peak(options, network) ? network->smallest_peak() : 0)),
+          options.widest,
+          options.hold,
+          options.ignore_unlike,
+          options.rest,
+          options.signal};
+}
+
+/// The rules of a pad, with what tactel tare has read of its grips.
+AlarmOptions rules_of(const MonitorOptions& options, const SlipEstimator* network, double touch,
+                      const SensorProfile& profile, std::size_t pad) {
+  AlarmOptions rules = rules_of(options, network, touch);
+  const infer::PadShape shape = shape_of(profile, pad);
+  const hw::Calibration& known = profile.map.calibration;
+  rules.columns = shape.columns, rules.aspect = shape.aspect, rules.rate = usual_rate(profile);
+  if (!known.slide.empty()) rules.slide = static_cast<float>(known.slide[pad]);
+  if (known.hold.at > 0) std::ranges::copy(known.hold.covariance, rules.held.covariance.begin());
+  rules.held.at = static_cast<float>(known.hold.at);
+  return rules;
 }
 
 }  // namespace
@@ -116,13 +137,19 @@ bool knows_touch(const SensorProfile& profile) {
   });
 }
 
-LiveMonitor::Sensor::Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t first_tactel,
-                            std::size_t count, const MonitorOptions& options)
+double usual_rate(const SensorProfile& profile) {
+  const double of_hold = profile.map.calibration.hold.rate;
+  return of_hold > 0 ? of_hold : AlarmOptions().rate;
+}
+
+LiveMonitor::Sensor::Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t pad,
+                            std::size_t first_tactel, std::size_t count, const MonitorOptions& options)
     : first(first_tactel),
       tactels(count),
       touch(options.touch.value_or(profile.map.touch(first, count))),
-      alarm(network ? Alarm(*network, rules_of(options, network, touch))
-                    : Alarm(count, profile.map.places() / profile.map.tactels(), rules_of(options, network, touch))) {}
+      alarm(network ? Alarm(*network, rules_of(options, network, touch, profile, pad))
+                    : Alarm(count, profile.map.places() / profile.map.tactels(),
+                            rules_of(options, network, touch, profile, pad))) {}
 
 bool LiveMonitor::Sensor::rests() const {
   return std::ranges::all_of(std::span(stresses).first(tactels), [&](float s) { return std::abs(s) < touch; });
@@ -137,6 +164,8 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       has_bound_(!networks.empty() && networks.front().bound.has_value()),
       magnitude_(!networks.empty() && networks.front().magnitude),
       of_slid_(!networks.empty() && networks.front().target == nn::Target::slid),
+      has_index_(options.signal == AlarmSignal::left && !profile.map.calibration.slide.empty()),
+      rate_(usual_rate(profile)),
       stresses_(profile.map.places()) {
   std::vector<SlipEstimator> estimators;
   for (const nn::Model& network : networks) estimators.push_back(infer::estimator_of(network));
@@ -146,7 +175,7 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
   for (const std::size_t tactels : tactels_of(profile)) {
     const std::size_t which = networks.size() > 1 ? sensors_.size() : 0;
     if (!networks.empty()) check_width(networks[which], profile, tactels), models.push_back(&networks[which]);
-    sensors_.emplace_back(networks.empty() ? nullptr : &estimators[which], profile,
+    sensors_.emplace_back(networks.empty() ? nullptr : &estimators[which], profile, sensors_.size(),
                           std::exchange(first, first + tactels), tactels, options);
     if (!networks.empty()) touch.push_back(*rules_of(options, &estimators[which], sensors_.back().touch).touch);
   }
@@ -187,6 +216,18 @@ void LiveMonitor::estimate() {
   }
 }
 
+/// Judges the pads, each with the smallest index: an object goes where all let it go.
+void LiveMonitor::judge() {
+  float smallest = std::numeric_limits<float>::quiet_NaN();
+  for (const AlarmAnswer& pad : line_.pads) smallest = std::fmin(smallest, pad.index);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    AlarmAnswer& pad = line_.pads[i];
+    const float own = std::exchange(pad.index, smallest);
+    pad = sensors_[i].alarm.judge(pad);
+    pad.index = own;
+  }
+}
+
 // A late frame is answered for the history alone.
 void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events) {
   const double decoded = source_->now();
@@ -197,13 +238,17 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
   line = {.frame = {decoder_.counts().frames - 1, frame.device_time, arrival, decoded},
           .stresses = stresses_,
           .has_bound = has_bound_,
+          .has_left = options_.signal == AlarmSignal::left,
+          .has_index = has_index_,
           .pads = std::move(pads)};
+  if (const auto hz = source_->timed() ? rate_.next(frame.device_time.value_or(arrival)) : std::nullopt)
+    for (Sensor& sensor : sensors_) sensor.alarm.rate(*hz);
   estimate();
   if (source_->live() && decoded - arrival > options_.late) {
     ++summary_.late;
     return;
   }
-  for (std::size_t i = 0; i < sensors_.size(); ++i) line.pads[i] = sensors_[i].alarm.judge(line.pads[i]);
+  judge();
   take_largest(line);
   if (line.pads.size() == 1) line.pads.clear();
   const double now = source_->now();
@@ -232,20 +277,26 @@ void LiveMonitor::refresh() {
   summary_.transport = source_->counts();
 }
 
-/// The share of a reading in what is known of mu falls as the earlier one grows old; it begins at a half.
-void LiveMonitor::read_friction(const MonitorEvents& events, double now) {
+/// Reads friction from what slides: of a network mu, of AlarmSignal::left Q / P.
+void LiveMonitor::slides(const MonitorEvents& events, double now) {
   std::vector<float> known;
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    Sensor& sensor = sensors_[i];
-    const float read = estimator_->slides(i), spread = infer::FrictionReading::spread;
-    if (!std::isnan(read)) {
-      const float before = trust(sensor, now), share = before * before / (before * before + spread * spread);
-      sensor.friction = sensor.friction > 0 ? sensor.friction * std::pow(read / sensor.friction, share) : read;
-      sensor.read_at = now;
-    }
-    known.push_back(std::isnan(read) ? read : sensor.friction);
+    const float mu = estimator_ ? read_friction(i, now) : std::nanf("");
+    known.push_back(options_.signal == AlarmSignal::left ? sensors_[i].alarm.slides() : mu);
+    has_index_ |= options_.signal == AlarmSignal::left && !std::isnan(known.back());
   }
   if (events.friction) events.friction(known);
+}
+
+/// The share of a reading in what is known of mu falls as the earlier one grows old; it begins at a half.
+float LiveMonitor::read_friction(std::size_t i, double now) {
+  Sensor& sensor = sensors_[i];
+  const float read = estimator_->slides(i), spread = infer::FrictionReading::spread;
+  if (std::isnan(read)) return read;
+  const float before = trust(sensor, now), share = before * before / (before * before + spread * spread);
+  sensor.friction = sensor.friction > 0 ? sensor.friction * std::pow(read / sensor.friction, share) : read;
+  sensor.read_at = now;
+  return sensor.friction;
 }
 
 float LiveMonitor::trust(const Sensor& sensor, double now) const {
@@ -260,7 +311,7 @@ void LiveMonitor::watch(const MonitorEvents& events) {
     for (Sensor& sensor : sensors_) sensor.alarm.rest();
     if (estimator_) estimator_->rest();
   }
-  if (calls.slides && estimator_) read_friction(events, now);
+  if (calls.slides) slides(events, now);
   for (std::size_t i = 0; i < sensors_.size(); ++i)
     if (sensors_[i].friction > 0) estimator_->friction(i, sensors_[i].friction, trust(sensors_[i], now));
   if (now >= next_second_) {

@@ -10,6 +10,7 @@
 #include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/mounting_watch.h"
+#include "host/live/rate_meter.h"
 #include "host/live/sensor_profile.h"
 #include "hw/decoder.h"
 #include "hw/frame_source.h"
@@ -46,13 +47,16 @@ struct MonitorLine {
   float acted_on = 0;                       ///< as of AlarmAnswer, and the next two
   bool alarm = false, cannot_tell = false;  ///< of several pads those of one
   bool no_answer = false;                   ///< a pad touches and has none
+  CannotTell why = CannotTell::none;        ///< of the first pad that cannot tell
   std::optional<bool> rest{};               ///< as of AlarmAnswer; of several pads whether one has it
-  float moved = std::numeric_limits<float>::quiet_NaN();  ///< the largest of several pads
-  std::optional<float> true_slip_index{};                 ///< of a simulation; NaN without contact
-  std::vector<AlarmAnswer> pads{};                        ///< of several pads; none: `answer` is all
-  std::vector<Drift> drift{};                             ///< what this frame showed to have moved; mostly nothing
-  double latency = 0;                                     ///< us from the frame's last byte to S
-  double answer_time = 0;                                 ///< us of the latency, from the decoded frame to S
+  /// As of AlarmAnswer; the largest of several pads, the smallest index.
+  float moved = std::numeric_limits<float>::quiet_NaN(), left = moved, calm = moved, index = moved;
+  bool has_left = false, has_index = false, released = false;  ///< they are asked for; of several pads that of one
+  std::optional<float> true_slip_index{};                      ///< of a simulation; NaN without contact
+  std::vector<AlarmAnswer> pads{};                             ///< of several pads; none: `answer` is all
+  std::vector<Drift> drift{};                                  ///< what this frame showed to have moved; mostly nothing
+  double latency = 0;                                          ///< us from the frame's last byte to S
+  double answer_time = 0;                                      ///< us of the latency, from the decoded frame to S
 };
 
 struct MonitorSummary {
@@ -73,7 +77,7 @@ struct MonitorSummary {
 /// What its user asks of a LiveMonitor between packets.
 struct MonitorCalls {
   bool rest = false;    ///< Alarm::rest of all pads
-  bool slides = false;  ///< SlipHistory::slides of all pads
+  bool slides = false;  ///< Alarm::slides of all pads
 };
 
 /// Callbacks of LiveMonitor. Empty functions are allowed.
@@ -82,11 +86,14 @@ struct MonitorEvents {
   std::function<void(const MonitorSummary&)> second{};  ///< about once a second
   /// Seconds without a frame, and the time of the source's clock; each MonitorOptions::silence again.
   std::function<void(double seconds, double now)> silence{};
-  std::function<bool()> stop{};                            ///< true ends it
-  std::function<MonitorCalls()> calls{};                   ///< asked between packets
-  std::function<void(std::span<const float>)> friction{};  ///< mu of each pad after `slides`; NaN: none was read
+  std::function<bool()> stop{};             ///< true ends it
+  std::function<MonitorCalls()> calls{};    ///< asked between packets
+  /// mu of each pad after `slides`, or of AlarmSignal::left Q / P; NaN: none was read.
+  std::function<void(std::span<const float>)> friction{};
 };
 
+/// Returns the rate of frames, Hz, of the recorded hold, else a usual one.
+double usual_rate(const SensorProfile& profile);
 /// Returns whether the calibration gives every pad a threshold of touch.
 bool knows_touch(const SensorProfile& profile);
 
@@ -100,9 +107,9 @@ void check_width(const nn::Model& model, const SensorProfile& profile, std::size
 /// Turns frames of a source into slippage indices and an alarm, in the calling thread, by tactel::Alarm.
 class LiveMonitor {
  public:
-  /// `networks`: one, or one for each pad of the profile, all with a bound or none; of AlarmSignal::moved there may be
-  /// none. Throws ConfigError where their number is another, or the inputs of one do not match the tactels. `device`:
-  /// evaluates them; none: host code, with the same bits.
+  /// `networks`: one, or one for each pad of the profile, all with a bound or none; there may be none but of
+  /// AlarmSignal::slip. Throws ConfigError where their number is another, or the inputs of one do not match the
+  /// tactels. `device`: evaluates them; none: host code, with the same bits.
   LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options,
               const std::optional<Device>& device = {});
   LiveMonitor(const nn::Model& network, const SensorProfile& profile, const MonitorOptions& options)
@@ -114,8 +121,8 @@ class LiveMonitor {
   /// A line, or a pad: some tactels of the map.
   struct Sensor {
     /// network: null without one.
-    Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
-           const MonitorOptions& options);
+    Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t pad, std::size_t first,
+           std::size_t tactels, const MonitorOptions& options);
     bool rests() const;
 
     std::size_t first, tactels;
@@ -131,7 +138,9 @@ class LiveMonitor {
   void count(MonitorLine& line, bool rest);
   void refresh();
   void watch(const MonitorEvents& events);
-  void read_friction(const MonitorEvents& events, double now);
+  void judge();
+  void slides(const MonitorEvents& events, double now);
+  float read_friction(std::size_t sensor, double now);
   float trust(const Sensor& sensor, double now) const;
   void listen(double now, const MonitorEvents& events);
 
@@ -139,7 +148,8 @@ class LiveMonitor {
   hw::ChannelMap map_;
   std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
-  bool has_bound_, magnitude_, of_slid_;
+  bool has_bound_, magnitude_, of_slid_, has_index_;
+  RateMeter rate_;
   std::deque<Sensor> sensors_;
   std::unique_ptr<LiveEstimator> estimator_;            ///< null without networks
   std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame

@@ -13,6 +13,7 @@
 #include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
+#include "nn/infer/grip_score.h"
 
 namespace tactel::host {
 namespace {
@@ -139,6 +140,32 @@ void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::s
   in.finish();
 }
 
+/// What tactel tare wrote of grips that hold and slide.
+void read_grips(const TomlFile& file, SensorProfile& profile) {
+  constexpr const char* above = "a number above 0, as tactel tare writes it";
+  const std::size_t n = infer::PadMoments(shape_of(profile, 0)).count(), numbers = n * (n + 1) / 2;
+  TomlTable in(file, "hold"), slide(file, "slide");
+  hw::RecordedHold hold;
+  const std::string covariance =
+      fmt::format("{} numbers of a positive definite matrix, as tactel tare --hold writes them", numbers);
+  if (in.read("covariance", hold.covariance, covariance)) {
+    const std::vector<float> given(hold.covariance.begin(), hold.covariance.end());
+    if (given.size() != numbers || infer::whitening(given, n).empty()) in.refuse("covariance", covariance);
+    for (const auto& [key, number] :
+         {std::pair{"at", &hold.at}, {"seconds", &hold.seconds}, {"rate", &hold.rate}, {"margin", &hold.margin}})
+      if (in.read(key, *number, above) && !(*number > 0 && std::isfinite(*number))) in.refuse(key, above);
+    profile.map.calibration.hold = std::move(hold);
+  }
+  const std::size_t pads = std::max<std::size_t>(profile.pads.size(), 1);
+  const std::string friction =
+      fmt::format("Q / P of a slide, above 0, {}", pads > 1 ? fmt::format("of {} pads", pads) : "one number");
+  std::vector<double>& frictions = profile.map.calibration.slide;
+  if (slide.read_one_or_more("friction", frictions, friction) &&
+      (frictions.size() != pads || !std::ranges::all_of(frictions, [](double k) { return k > 0 && k <= 1e3; })))
+    slide.refuse("friction", friction);
+  in.finish(), slide.finish();
+}
+
 void read_pads(const TomlFile& file, std::vector<PadLayout>& pads) {
   TomlTable in(file, "pad");
   const char* of_pad = "whole numbers, 1 to 128: [nx, ny] along x and y of each pad";
@@ -185,7 +212,8 @@ void read_map(const TomlFile& file, SensorProfile& profile, std::size_t channels
 
 SensorProfile parse(const TomlFile& file) {
   TomlTable root(file, "");
-  for (const char* table : {"device", "format", "pad", "channels", "calibration"}) root.expect_table(table);
+  for (const char* table : {"device", "format", "pad", "channels", "calibration", "hold", "slide"})
+    root.expect_table(table);
   root.finish();
   SensorProfile profile;
   profile.text = file.text();
@@ -194,6 +222,7 @@ SensorProfile parse(const TomlFile& file) {
   try {
     read_pads(file, profile.pads);
     read_map(file, profile, profile.format()->channels());
+    read_grips(file, profile);
   } catch (const ValueError& error) {
     throw file.error(error);
   }
@@ -209,6 +238,13 @@ std::string glove_text() {
       fmt::join(cells, ", "));
 }
 
+/// Covariance of the moments of holding hands (tactel::HeldGrip), of the quiet holds of twelve people.
+constexpr double uskin_tremor[] = {
+    0.00072848, 9.5204e-05,  6.6019e-05,  -0.00034778, -6.6874e-05, 0.00046961,  -4.0633e-05, -2.3102e-05, 7.0654e-05,
+    9.0981e-05, -5.9109e-05, -3.8728e-06, -2.501e-05,  -4.0341e-06, 5.5551e-05,  8.353e-05,   1.2132e-05,  -7.8696e-05,
+    -3.509e-05, -2.0655e-06, 3.5312e-05,  -1.5889e-05, 2.7881e-06,  -1.8181e-06, -7.8905e-06, 4.9237e-06,  -9.3196e-07,
+    9.397e-06,  -8.9015e-05, -1.0169e-05, 2.4608e-05,  -1.3243e-05, 1.1073e-05,  -1.6708e-06, 6.2267e-06,  2.5678e-05};
+
 /// Lines of x, y, z of each tactel, row by row. The gains have the signs alone: a pressed tactel counts upwards.
 std::string uskin_text(int nx, int ny) {
   constexpr double nominal = 1e-5;  // MPa by a count
@@ -218,6 +254,7 @@ std::string uskin_text(int nx, int ny) {
     map.calibration.gain.insert(map.calibration.gain.end(), {nominal, nominal, -nominal});
   }
   map.calibration.has_zero = false;
+  map.calibration.hold.covariance.assign(std::begin(uskin_tremor), std::end(uskin_tremor));
   return fmt::format("[device]\nname = \"uSkin {} x {}\"\n[format]\nkind = \"csv\"\nchannels = {}\n", nx, ny,
                      3 * nx * ny) +
          channels_text(map, {{{nx, ny}, {4.7, 4.7}}}) + calibration_text(map.calibration);
@@ -251,6 +288,27 @@ SensorProfile built_in_profile(const std::string& name) {
   return parse_profile(glove_text(), "usb:glove");
 }
 
+namespace {
+
+/// The hold of all pads, where all have that one; else none, or the covariance of others.
+hw::RecordedHold joined_hold(const std::vector<SensorProfile>& profiles) {
+  hw::RecordedHold hold = profiles.front().map.calibration.hold;
+  const auto same = [&](const SensorProfile& profile) {
+    return profile.map.calibration.hold.covariance == hold.covariance && profile.map.calibration.hold.at == hold.at;
+  };
+  return std::ranges::all_of(profiles, same) ? hold : hw::RecordedHold{};
+}
+
+}  // namespace
+
+infer::PadShape shape_of(const SensorProfile& profile, std::size_t pad) {
+  const std::size_t axes = profile.map.places() / profile.map.tactels();
+  if (profile.pads.empty()) return {profile.map.tactels(), axes, profile.map.tactels(), 1};
+  const PadLayout& layout = profile.pads[pad];
+  return {layout.count(), axes, static_cast<std::size_t>(layout.tactels[0]),
+          layout.pitch[0] > 0 ? layout.pitch[1] / layout.pitch[0] : 1};
+}
+
 SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
   hw::ChannelMap map;
   std::vector<PadLayout> pads;
@@ -277,6 +335,12 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }
+  map.calibration.hold = joined_hold(profiles);
+  for (const SensorProfile& profile : profiles) {
+    const std::vector<double>& slide = profile.map.calibration.slide;
+    map.calibration.slide.insert(map.calibration.slide.end(), slide.begin(), slide.end());
+  }
+  if (map.calibration.slide.size() != pads.size()) map.calibration.slide.clear();
   if (map.calibration.noise.size() != channels) map.calibration.noise.clear();
   for (const auto threshold : {&hw::Calibration::moved, &hw::Calibration::slid}) {
     const auto of_pad = [&](const SensorProfile& profile) { return profile.map.calibration.*threshold; };
@@ -305,10 +369,11 @@ std::string channels_text(const hw::ChannelMap& map, const std::vector<PadLayout
 void read_calibration(const std::filesystem::path& path, SensorProfile& profile) {
   const TomlFile file(path);
   TomlTable root(file, "");
-  root.expect_table("calibration");
+  for (const char* table : {"calibration", "hold", "slide"}) root.expect_table(table);
   root.finish();
   const std::size_t channels = profile.format()->channels();
   read_calibration(file, profile.map.calibration, channels);
+  read_grips(file, profile);
   try {
     profile.map.validate(channels);
   } catch (const ValueError& error) {
@@ -328,6 +393,17 @@ std::string calibration_text(const hw::Calibration& calibration) {
     text += fmt::format("moved = {}  # 1.2 times the largest of a recorded hold\n", calibration.moved);
   if (calibration.slid > 0)
     text += fmt::format("slid = {}  # 1.2 times a network's largest answer to it\n", calibration.slid);
+  if (const hw::RecordedHold& hold = calibration.hold; !hold.covariance.empty()) {
+    text += fmt::format("[hold]\ncovariance = [{:.6g}]\n", fmt::join(hold.covariance, ", "));
+    if (hold.at > 0)
+      text += fmt::format(
+          "at = {:.6g}  # of the norm by it\nseconds = {:.4g}\nrate = {:.4g}  # Hz\nmargin = {:.4g}  # at over the "
+          "largest of the hold\n",
+          hold.at, hold.seconds, hold.rate, hold.margin);
+  }
+  if (!calibration.slide.empty())
+    text += fmt::format("[slide]\nfriction = [{:.6g}]  # Q / P with its torque, of each pad\n",
+                        fmt::join(calibration.slide, ", "));
   return text;
 }
 

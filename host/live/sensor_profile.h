@@ -10,6 +10,7 @@
 #include "hw/channel_map.h"
 #include "hw/usb_device.h"
 #include "hw/wire_format.h"
+#include "nn/infer/pad_moments.h"
 
 namespace tactel::host {
 
@@ -42,6 +43,8 @@ SensorProfile built_in_profile(const std::string& name);
 /// Returns the profile of lines of numbers that have the channels of one pad after those of the other. Throws
 /// ConfigError for what is not a pad in lines of numbers, or differs in pitch or axes from the first.
 SensorProfile joined_profile(const std::vector<SensorProfile>& profiles);
+/// Returns the shape of a pad of the profile, or of its line, for its moments.
+infer::PadShape shape_of(const SensorProfile& profile, std::size_t pad);
 /// Returns the tables [pad] and [channels] of a profile.
 std::string channels_text(const hw::ChannelMap& map, const std::vector<PadLayout>& pads);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -117,12 +118,22 @@ using AnyNetwork = std::optional<std::variant<const Network*, const SlipEstimato
 std::unique_ptr<OwnAlarm> alarm_of(const AnyNetwork& network, std::optional<double> at, std::optional<double> touch,
                                    std::optional<double> widest, int hold, bool ignore_unlike,
                                    const std::string& device, bool rest, std::optional<std::string> signal,
-                                   std::optional<std::size_t> tactels, std::size_t axes) {
+                                   std::optional<std::size_t> tactels, std::size_t axes, double rate,
+                                   std::size_t columns, double aspect, const std::vector<float>& covariance,
+                                   double held_at, double slide) {
   AlarmOptions options{.touch = touch, .hold = hold, .ignore_unlike = ignore_unlike, .rest = rest};
   if (at) options.at = narrow("at", *at);
   if (widest) options.widest = narrow("widest", *widest);
-  if (signal && *signal != "slip" && *signal != "moved") throw InputError("signal", *signal, "slip or moved");
-  if (signal ? *signal == "moved" : !network) options.signal = AlarmSignal::moved;
+  const std::map<std::string, AlarmSignal> signals{
+      {"slip", AlarmSignal::slip}, {"moved", AlarmSignal::moved}, {"left", AlarmSignal::left}};
+  const std::string judged = signal.value_or(network ? "slip" : at ? "moved" : "left");
+  if (!signals.contains(judged)) throw InputError("signal", judged, "slip, moved or left");
+  options.signal = signals.at(judged);
+  options.rate = rate, options.columns = columns, options.aspect = aspect;
+  options.held.at = narrow("held_at", held_at), options.slide = narrow("slide", slide);
+  if (covariance.size() > options.held.covariance.size())
+    throw InputError("covariance", std::to_string(covariance.size()) + " numbers", "at most 36, as [hold] has them");
+  std::ranges::copy(covariance, options.held.covariance.begin());
   if (network.has_value() == tactels.has_value())
     throw InputError("network", network ? "given with tactels" : "none", "give it, or tactels and axes of a frame");
   if (!network && !device.empty()) throw InputError("device", device, "leave it out without a network");
@@ -171,6 +182,7 @@ std::string text_of(const AlarmAnswer& said) {
            number(answer.slip_interval[1]) + "), unlike=" + boolean(answer.unlike != 0);
   all += std::string(", contact=") + (said.contact ? boolean(*said.contact) : "None");
   if (said.rest) all += std::string(", rest=") + boolean(*said.rest) + ", moved=" + number(said.moved);
+  if (!std::isnan(said.left)) all += ", left=" + number(said.left);
   all += std::string(", on=") + boolean(said.on) + ", cannot_tell=" + boolean(said.cannot_tell);
   if (answer.status != AnswerStatus::ok) all += std::string(", status='") + name(answer.status) + "'";
   return all + ")";
@@ -301,35 +313,54 @@ void bind_networks(py::module_& m) {
       .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
       .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
       .def_readonly("on", &AlarmAnswer::on, "the alarm")
-      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell,
-                    "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
-                    "keeps the alarm off, or the rest that it needs is not found")
+      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell, "the alarm cannot tell, by `why`")
+      .def_property_readonly(
+          "why", [](const AlarmAnswer& said) { return name(said.why); },
+          "\"not a number\", \"frozen\", \"wrong sign\", \"no rest\", \"unlike\", \"wide interval\" or \"no answer\"; "
+          "\"\" "
+          "where it can tell")
+      .def_readonly("left", &AlarmAnswer::left,
+                    "of signal left: how far the stresses have left their rest, 1 at the alarm; NaN without contact or "
+                    "rest")
+      .def_readonly("calm", &AlarmAnswer::calm, "of signal left: tremor of the newest third of a second, over P; NaN")
+      .def_readonly("index", &AlarmAnswer::index, "of signal left: Q / P with its torque over that of a slide; NaN")
+      .def_readonly("released", &AlarmAnswer::released, "of signal left: the hand opens, or has opened")
       .def_readonly("rest", &AlarmAnswer::rest, "whether a rest of this grip is known; None where it is not asked for")
       .def_readonly("moved", &AlarmAnswer::moved,
                     "change of the stresses since rest: the norm of the differences of all, over the sum of the normal "
                     "stresses at rest; NaN without contact or rest")
       .def("__repr__", &text_of);
   py::class_<OwnAlarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
-      .def(py::init(&alarm_of), "network"_a = py::none(), py::kw_only(), "at"_a = py::none(), "touch"_a = py::none(),
-           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "", "rest"_a = false,
-           "signal"_a = py::none(), "tactels"_a = py::none(), "axes"_a = 3,
-           "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
-           "begins, 0.8 where not given; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay "
-           "below is no contact; "
-           "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
-           "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
-           "was learnt asks for the alarm by its S alone. device: one of devices() that answers the frames, by "
-           "\"gpu\", \"cpu\", index or a part of its name; \"\": host code, with the same bits. rest: answers have "
-           "`rest` "
-           "and `moved`. signal: \"slip\", or \"moved\", which needs no network, but tactels and axes of a frame, and "
-           "an `at` such as 1.2 times the largest `moved` of a hold; it ends below at / 1.2.")
+      .def(
+          py::init(&alarm_of), "network"_a = py::none(), py::kw_only(), "at"_a = py::none(), "touch"_a = py::none(),
+          "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "", "rest"_a = false,
+          "signal"_a = py::none(), "tactels"_a = py::none(), "axes"_a = 3, "rate"_a = 60.0, "columns"_a = 0,
+          "aspect"_a = 1.0, "covariance"_a = std::vector<float>(), "held_at"_a = 0.0, "slide"_a = 0.0,
+          "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
+          "begins, 0.8 where not given; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay "
+          "below is no contact; "
+          "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
+          "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
+          "was learnt asks for the alarm by its S alone. device: one of devices() that answers the frames, by "
+          "\"gpu\", \"cpu\", index or a part of its name; \"\": host code, with the same bits. rest: answers have "
+          "`rest` "
+          "and `moved`. signal: \"slip\", or \"left\" or \"moved\", which need no network, but tactels and axes of a "
+          "frame; \"left\" is 1 at the alarm, and stands where neither network nor `at` is given; \"moved\" has an "
+          "`at` "
+          "such as 1.2 times the largest `moved` of a hold; both end below at / 1.2. Of left: rate, Hz; columns, "
+          "tactels "
+          "along x, 0: as many as along y; aspect, pitch along y over that along x; covariance and held_at (its at) of "
+          "[hold], slide of [slide] in a calibration file of `tactel tare`.")
       .def("next", &OwnAlarm::next, "frame"_a, "answer"_a = py::none(),
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
            "of a LiveEstimator, in place of its own.")
       .def("slides", &OwnAlarm::slides,
-           "Call it where the object is known to slide in the newest frame: reads mu from it, tells it from the next "
-           "frame on, "
-           "and returns it; nan where there is none.")
+           "Call it where the object is known to slide in the newest frame: reads mu from it, or of left Q / P, tells "
+           "it "
+           "from the next frame on, and returns it; nan where there is none.")
+      .def(
+          "rate", [](OwnAlarm& own, double hz) { own.alarm.rate(hz); }, "hz"_a,
+          "Says that frames come at another rate.")
       .def("friction", &OwnAlarm::friction, "mu"_a, "spread"_a = 0.1,
            "Tells a network of train(friction=True) mu and its relative standard deviation; 0: mu is not known.")
       .def("rest", &OwnAlarm::rest,

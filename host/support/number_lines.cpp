@@ -144,12 +144,15 @@ bool NumberLines::read(std::string_view line, std::uint64_t number) {
   numbers_.resize(fields_.size());
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     const auto value = number_in(fields_[i], separator_);
-    if (!value || !(std::abs(*value) <= columns_.largest))
+    numbers_[i] = value && std::abs(*value) <= columns_.largest ? *value : std::nan("");
+  }
+  const auto is_number = [](double number) { return !std::isnan(number); };
+  const bool gaps = gaps_ && std::ranges::any_of(std::span(numbers_).subspan(has_time_), is_number);
+  for (std::size_t i = 0; i < fields_.size(); ++i)
+    if (!is_number(numbers_[i]) && !(gaps && i >= has_time_))
       refuse(i < columns_.names.size() ? columns_.names[i] : fmt::format("column {}", i + 1), fields_[i],
              "a finite number such as -1.5" +
                  (columns_.largest < 1e30 ? fmt::format(", {:g} at most", columns_.largest) : ""));
-    numbers_[i] = *value;
-  }
   return begun_ = columns_.quotes = true;
 }
 

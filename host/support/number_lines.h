@@ -34,6 +34,8 @@ class NumberLines {
   /// `file`: of errors.
   NumberLines(std::string file, NumberColumns columns) : file_(std::move(file)), columns_(std::move(columns)) {}
 
+  /// Whether a field behind the time that is no number is NaN, in a line that has one.
+  void take_gaps(bool gaps) { gaps_ = gaps; }
   /// Reads a line without its end. Returns whether it holds numbers. Throws ConfigError, "FILE:NUMBER: ...".
   bool read(std::string_view line, std::uint64_t number);
   std::span<const double> numbers() const { return numbers_; }  ///< of the line read last, a time first
@@ -53,7 +55,7 @@ class NumberLines {
 
   std::string file_;
   NumberColumns columns_;
-  bool begun_ = false, has_time_ = false;
+  bool begun_ = false, has_time_ = false, gaps_ = false;
   char separator_ = ',';
   std::uint64_t number_ = 0;  ///< of the line at hand
   std::vector<std::string> header_;

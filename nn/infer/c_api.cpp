@@ -33,6 +33,7 @@ using tactel::AnswerStatus;
 static_assert(sizeof(tactel_answer) == sizeof(tactel::Answer) && sizeof(tactel_answer) == 32);
 static_assert(TACTEL_OK == int(AnswerStatus::ok) && TACTEL_NO_STRESS == int(AnswerStatus::no_stress));
 static_assert(TACTEL_NOT_FINITE == int(AnswerStatus::not_finite) && TACTEL_OVERFLOW == int(AnswerStatus::overflow));
+static_assert(TACTEL_LEFT == int(tactel::AlarmSignal::left) && TACTEL_NO_ANSWER == int(tactel::CannotTell::no_answer));
 static_assert(TACTEL_WRONG_SIZE == int(AnswerStatus::wrong_size));
 
 thread_local const char* last_error = "";
@@ -73,9 +74,13 @@ tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) n
     tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
     rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0, rules.rest = given.rest != 0;
     if (!(given.touch < 0)) rules.touch = given.touch;
-    if (given.signal != TACTEL_SLIP && given.signal != TACTEL_MOVED)
-      throw tactel::InputError("signal", std::to_string(given.signal), "must be TACTEL_SLIP or TACTEL_MOVED");
+    if (given.signal < TACTEL_SLIP || given.signal > TACTEL_LEFT)
+      throw tactel::InputError("signal", std::to_string(given.signal),
+                               "must be TACTEL_SLIP, TACTEL_MOVED or TACTEL_LEFT");
     rules.signal = static_cast<tactel::AlarmSignal>(given.signal);
+    rules.rate = given.rate, rules.columns = given.columns, rules.aspect = given.aspect, rules.slide = given.slide;
+    std::ranges::copy(given.covariance, rules.held.covariance.begin());
+    rules.held.at = given.held_at;
     return make(rules);
   });
 }
@@ -144,7 +149,19 @@ void tactel_history_clear(tactel_history* history) {
 
 tactel_alarm_options tactel_alarm_defaults(void) {
   const tactel::AlarmOptions rules;
-  return {rules.at, -1, rules.widest, rules.hold, rules.ignore_unlike, rules.rest, TACTEL_SLIP};
+  return {rules.at,
+          -1,
+          rules.widest,
+          rules.hold,
+          rules.ignore_unlike,
+          rules.rest,
+          TACTEL_SLIP,
+          rules.rate,
+          0,
+          rules.aspect,
+          {},
+          0,
+          0};
 }
 
 tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options) {
@@ -154,17 +171,41 @@ tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tacte
 }
 
 tactel_alarm* tactel_alarm_create_moved(size_t tactels, size_t axes, const tactel_alarm_options* options) {
-  return new_alarm(options, [&](const auto& rules) { return new tactel_alarm{Alarm(tactels, axes, rules)}; });
+  tactel_alarm_options left = tactel_alarm_defaults();
+  left.signal = TACTEL_LEFT;
+  return new_alarm(options != nullptr ? options : &left,
+                   [&](const auto& rules) { return new tactel_alarm{Alarm(tactels, axes, rules)}; });
 }
 
 void tactel_alarm_free(tactel_alarm* alarm) { delete alarm; }
 
 tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count) {
   if (alarm == nullptr || frame == nullptr)
-    return {refused("tactel_alarm_next: no alarm or frame; give both"), -1, NAN, 0, 1, -1, NAN};
+    return {refused("tactel_alarm_next: no alarm or frame; give both"),
+            -1,
+            NAN,
+            0,
+            1,
+            -1,
+            NAN,
+            TACTEL_NO_ANSWER,
+            NAN,
+            NAN,
+            NAN,
+            0};
   const tactel::AlarmAnswer answer = alarm->alarm.next({frame, count});
-  return {c_answer(answer.answer), answer.contact ? int{*answer.contact} : -1, answer.acted_on, answer.on,
-          answer.cannot_tell,      answer.rest ? int{*answer.rest} : -1,       answer.moved};
+  return {c_answer(answer.answer),
+          answer.contact ? int{*answer.contact} : -1,
+          answer.acted_on,
+          answer.on,
+          answer.cannot_tell,
+          answer.rest ? int{*answer.rest} : -1,
+          answer.moved,
+          static_cast<int>(answer.why),
+          answer.left,
+          answer.calm,
+          answer.index,
+          answer.released};
 }
 
 int tactel_alarm_friction(tactel_alarm* alarm, double mu, double spread) {
@@ -179,6 +220,10 @@ int tactel_alarm_friction(tactel_alarm* alarm, double mu, double spread) {
 
 float tactel_alarm_slides(tactel_alarm* alarm) { return alarm != nullptr ? alarm->alarm.slides() : NAN; }
 
+void tactel_alarm_rate(tactel_alarm* alarm, double hz) {
+  if (alarm != nullptr) alarm->alarm.rate(hz);
+}
+
 void tactel_alarm_rest(tactel_alarm* alarm) {
   if (alarm != nullptr) alarm->alarm.rest();
 }
@@ -190,5 +235,7 @@ void tactel_alarm_clear(tactel_alarm* alarm) {
 const char* tactel_error(void) { return last_error; }
 
 const char* tactel_status_name(uint32_t status) { return tactel::name(static_cast<AnswerStatus>(status)); }
+
+const char* tactel_cannot_tell_name(int why) { return tactel::name(static_cast<tactel::CannotTell>(why)); }
 
 const char* tactel_version(void) { return tactel::version(); }

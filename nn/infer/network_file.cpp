@@ -358,6 +358,24 @@ void check_frames(const nn::Model& model) {
                 "stresses of a tactel and frames that divide its inputs, in columns that divide its tactels"};
 }
 
+/// The ranges that a network learnt, of which any may be absent. Throws ValueError for those that no set has.
+nn::Learnt read_learnt(const Metadata& metadata) {
+  constexpr float most = 1e6f;  // MPa; mu
+  nn::Learnt learnt;
+  for (const auto& [key, number] : ranges_of(learnt)) {
+    if (!metadata.contains(key)) continue;
+    *number = number_of<float>(metadata, key);
+    if (!(*number > 0 && *number <= most)) throw ValueError(key, exact(*number), "above 0, at most 1e6");
+  }
+  const auto ordered = [](const char* key, float least, float largest) {
+    if (largest > 0 && least > largest) throw ValueError(key, exact(least), "at most the largest, " + exact(largest));
+  };
+  ordered("smallest_peak", learnt.smallest_peak, learnt.largest_peak);
+  ordered("least_friction", learnt.least_friction, learnt.most_friction);
+  if (learnt.alarm_at >= 1) throw ValueError("alarm_at", exact(learnt.alarm_at), "below 1, which no answer reaches");
+  return learnt;
+}
+
 nn::Model model_of(const Contents& contents) {
   const Metadata& metadata = contents.metadata;
   nn::Model model{nn::Weights<float>(nn::Topology::parse(text_of(metadata, "topology"))), {}, 0, 0, "", 0, {}};
@@ -382,8 +400,7 @@ nn::Model model_of(const Contents& contents) {
   model.cycles = number_of<std::uint32_t>(metadata, "cycles");
   model.learning_errors = {number_of<std::size_t>(metadata, "error_rows"), number_of<double>(metadata, "error_max"),
                            number_of<double>(metadata, "error_mean"), number_of<double>(metadata, "error_std")};
-  for (const auto& [key, number] : ranges_of(model.learnt))
-    if (metadata.contains(key)) *number = number_of<float>(metadata, key);
+  model.learnt = read_learnt(metadata);
   read_weights(contents, model.weights);
   if (!topology.has_bound()) return model;
   model.bound = read_bound(contents, topology.inputs());

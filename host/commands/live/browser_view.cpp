@@ -32,6 +32,7 @@ std::vector<std::string> names_of(const MonitorRequest& request, std::size_t pad
 BrowserView::BrowserView(const MonitorRequest& request, const SensorProfile& profile, const char* target, bool bound) {
   if (request.serve.empty()) return;
   LivePage page{.source = request.source, .pads = {}, .signal = "moved"};
+  if (request.options.signal == AlarmSignal::left) page.signal = "left";
   if (request.options.signal == AlarmSignal::slip) page.signal = target, page.bound = bound;
   if (request.alarm) page.alarm = *request.alarm;
   const std::vector<std::string> names = names_of(request, profile.pads.size());

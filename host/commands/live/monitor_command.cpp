@@ -64,8 +64,16 @@ class Doubts {
                                                      : "; then the alarm is on (--unlike ignore: by S)";
     say_once(unlike_, unlike,
              fmt::format("it is unlike those that the network learnt, which cannot tell its S{}", then));
-    say_once(no_answer_, line.no_answer,
-             "it has no answer, as a stress is NaN or too large; the alarm stays as it is meanwhile");
+    const bool left = request_.options.signal == AlarmSignal::left;
+    const char* stays = left ? "; the alarm goes by the other stresses" : "; the alarm stays as it is meanwhile";
+    const bool nan = line.why == CannotTell::not_a_number;
+    say_once(no_answer_, line.no_answer || nan,
+             std::string(left ? "a stress is NaN" : "it has no answer, as a stress is NaN or too large") + stays);
+    say_once(frozen_, line.why == CannotTell::frozen,
+             "no stress changes any more: is a cable out, or the driver stopped? the alarm stays as it is meanwhile");
+    say_once(wrong_sign_, line.why == CannotTell::wrong_sign,
+             "the normal stresses pull, where a touch presses: turn the sign of their gains in the profile; no alarm "
+             "can be trusted meanwhile");
     say_once(beyond_, line.answer.beyond_learnt != 0,
              "a normal stress is above 10 times the largest that the network learnt; gains of the calibration must "
              "give MPa");
@@ -74,7 +82,7 @@ class Doubts {
 
  private:
   const MonitorRequest& request_;
-  bool unlike_ = false, no_answer_ = false, beyond_ = false;
+  bool unlike_ = false, no_answer_ = false, beyond_ = false, frozen_ = false, wrong_sign_ = false;
 };
 
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
@@ -82,10 +90,14 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
                           BrowserView& browser, Output& output, const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
   const auto on = std::make_shared<std::optional<bool>>();  // the alarm; none before the first frame
-  events.line = [&, target, tactels, on, cannot_tell = false,
+  events.line = [&, target, tactels, on, cannot_tell = false, why = CannotTell::none,
                  doubts = Doubts(request)](const MonitorLine& line) mutable {
-    const bool turned = line.alarm != on->value_or(false) || (request.widest && line.cannot_tell != cannot_tell);
-    *on = line.alarm, cannot_tell = line.cannot_tell;
+    const auto of_sensor = [](CannotTell reason) {
+      return reason == CannotTell::not_a_number || reason == CannotTell::frozen || reason == CannotTell::wrong_sign;
+    };
+    const bool turned = line.alarm != on->value_or(false) || (request.widest && line.cannot_tell != cannot_tell) ||
+                        (line.why != why && (of_sensor(why) || of_sensor(line.why)));
+    *on = line.alarm, cannot_tell = line.cannot_tell, why = line.why;
     std::vector<std::string> warnings = doubts.next(line);
     for (const Drift& drift : line.drift) warnings.push_back(drift.text);
     for (const std::string& warning : warnings) {
@@ -115,7 +127,7 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
     browser.tell_silence(seconds);
   };
   events.stop = [&] { return output.failed() || until(); };
-  if (request.options.rest || request.takes_friction)
+  if (request.options.rest || request.takes_friction)  // of which left takes "slides"
     events.calls = [lines = AskedLines(request.source.starts_with("csv:-"), request.quiet)]() mutable {
       return lines();
     };
@@ -125,10 +137,11 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
 
 /// What the options ask for together with the networks.
 void check_request(const MonitorRequest& request, std::span<const nn::Model> networks) {
-  const bool moved = request.options.signal == AlarmSignal::moved, none = networks.empty();
+  const bool by_rest = request.options.signal != AlarmSignal::slip, none = networks.empty();
   if (none && !request.options.rest && request.signal != "slip")
     throw ConfigError("command line", "--network", "(missing)", "given, or left out with --rest");
-  if (none && !moved) throw ConfigError("command line", "--signal", request.signal, "moved without --network");
+  if (none && !by_rest)
+    throw ConfigError("command line", "--signal", request.signal, "left or moved without --network");
   if (none && !request.device.empty())
     throw ConfigError("command line", "--device", request.device, "given with --network");
   if (request.widest && (none || !networks.front().bound))
@@ -138,10 +151,10 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
     if (networks[i].target != networks.front().target)
       throw ConfigError("command line", "--network", request.networks[i],
                         fmt::format("a network of {}, as the first", nn::name(networks.front().target)));
-  if (request.view && moved)
-    throw ConfigError("command line", "--view", "", "left out with --signal moved: it shows S");
+  if (request.view && by_rest)
+    throw ConfigError("command line", "--view", "", "left out with --signal left or moved: it shows S");
   const nn::Target target = none ? nn::Target::slip_index : networks.front().target;
-  const bool alarms = moved || target == nn::Target::slip_index || target == nn::Target::slid;
+  const bool alarms = by_rest || target == nn::Target::slip_index || target == nn::Target::slid;
   if ((request.view && target != nn::Target::slip_index) || (!request.alarm_given.empty() && !alarms))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
@@ -154,19 +167,22 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
                       "above 0 with --rest or a network by the rest: a grip ends where nothing touches");
 }
 
-/// The number of --alarm; without one, of --signal moved that of the calibration, and of a network of slid that of the
-/// calibration or its own.
+/// The number of --alarm; without one, of --signal left 1, of --signal moved that of the calibration, and of a network
+/// of slid that of the calibration or its own.
 std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn::Model> networks,
                               const hw::Calibration& calibration) {
   if (request.alarm_given.empty()) return std::nullopt;
   const std::string& given = request.alarm_given.front();
-  const bool moved = request.options.signal == AlarmSignal::moved;
+  const bool moved = request.options.signal == AlarmSignal::moved, left = request.options.signal == AlarmSignal::left;
   if (!given.empty()) {
     const float number = std::stof(given);
+    if (left ? !(number > 0) : !(number <= 1))
+      throw ConfigError("command line", "--alarm", given, left ? "above 0 with --signal left" : "0 to 1");
     if (moved && !(number > 0 && number < infer::most_moved))
       throw ConfigError("command line", "--alarm", given, "a number above 0 and below 0.5 with --signal moved");
     return number;
   }
+  if (left) return 1.0f;
   if (!moved && (networks.empty() || networks.front().target != nn::Target::slid)) return default_alarm;
   if (const double of_hold = moved ? calibration.moved : calibration.slid; of_hold > 0)
     return static_cast<float>(of_hold);
@@ -177,13 +193,31 @@ std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn:
                                 moved ? "" : " --network"));
 }
 
+/// What --alarm acts on where --signal does not say it: with --rest left, but for networks of S.
+AlarmSignal signal_of(const MonitorRequest& request, std::span<const nn::Model> networks) {
+  if (request.signal == "left") return AlarmSignal::left;
+  if (request.signal == "moved") return AlarmSignal::moved;
+  const bool of_slip = !networks.empty() && networks.front().target != nn::Target::slid;
+  return request.signal.empty() && request.options.rest && !of_slip ? AlarmSignal::left : AlarmSignal::slip;
+}
+
+/// Says what the alarm of left goes by, and what it does not see.
+void say_left(const MonitorRequest& request, const hw::Calibration& calibration) {
+  if (request.quiet || !request.alarm || request.options.signal != AlarmSignal::left) return;
+  say("note: \"left\" is 1 at the alarm; what slips more slowly than by 10 % of the normal force a second is not seen");
+  if (calibration.hold.at == 0)
+    say("note: no hold was recorded: slips that change little are missed, as of hard or slippery objects (tactel tare "
+        "--hold)");
+  if (!request.alarm_given.front().empty() && *request.alarm < infer::most_moved && request.signal.empty())
+    say(fmt::format("note: --alarm {} is of left; --signal moved goes by \"moved\"", request.alarm_given.front()));
+}
+
 int run_monitor(MonitorRequest request) {
   std::vector<nn::Model> networks;
   for (const std::string& file : request.networks) networks.push_back(read_onnx(file));
-  const bool moved = request.signal == "moved" || (networks.empty() && request.options.rest && request.signal.empty());
-  if (moved) request.options.signal = AlarmSignal::moved;
+  request.options.signal = signal_of(request, networks);
   const bool needs_rest = std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.rest; });
-  request.options.rest |= moved || needs_rest;
+  request.options.rest |= request.options.signal != AlarmSignal::slip || needs_rest;
   request.takes_friction =
       std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.friction; });
   check_request(request, networks);
@@ -228,6 +262,7 @@ int run_monitor(MonitorRequest request) {
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
   const char* const name = networks.empty() ? nullptr : nn::name(target);
+  say_left(request, opened.profile.map.calibration);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(request.seconds);
   std::vector<std::string> later;

@@ -63,20 +63,23 @@ void add_monitor_options(CLI::App& command, MonitorRequest& request) {
               "--alarm", request.alarm_given,
               "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
               "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too; with "
-              "--signal moved from this \"moved\" on, with a network of slid from this answer on, no unit (default: "
-              "0.8; of moved that of tactel tare --hold; of slid that or the network's own)")
+              "--signal left or moved from this \"left\" or \"moved\" on, with a network of slid from this answer on, "
+              "no "
+              "unit (default: 0.8; of left 1; of moved that of tactel tare --hold; of slid that or the network's own)")
           ->type_name("FLOAT")
           ->expected(0, 1)
-          ->check(CLI::Range(0.0f, 1.0f));
+          ->check(CLI::Range(0.0f, 100.0f));
   command.add_flag(
       "--rest", request.options.rest,
-      "add \"rest\", whether a rest of the grip is known, and \"moved\", the change of all stresses since, "
-      "over the normal force then; a line \"rest\" on standard input seeks rest anew");
+      "add \"rest\", whether a rest of the grip is known, \"moved\", the change of all stresses since, over the normal "
+      "force then, \"calm\", the grip's tremor, and \"left\", how far it has left the rest; a line \"rest\" on "
+      "standard "
+      "input seeks rest anew, a line \"slides\" says that the object slides");
   command
       .add_option("--signal", request.signal,
-                  "what --alarm acts on: slip, S or its bound, or moved, with --rest (default: slip, without a network "
-                  "moved)")
-      ->check(CLI::IsMember({"slip", "moved"}));
+                  "what --alarm acts on: slip, S or its bound; left or moved of --rest (default: left with --rest, but "
+                  "for a network of S)")
+      ->check(CLI::IsMember({"slip", "left", "moved"}));
   CLI::Option* friction = command
                               .add_option("--friction", request.options.friction,
                                           "mu, as far as it is known, for networks of train --friction; while an "

@@ -14,16 +14,22 @@ namespace {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-/// Of a network S or its other target; whether there is a contact, where a threshold is known; whether the grip's rest
-/// is known, and how far it has moved; the bound of a network that has one. target: null without a network.
-std::string answer_text(const char* target, const Answer& answer, const std::optional<bool>& contact, bool has_bound,
-                        const std::optional<bool>& rest, float moved) {
+/// Of a network S or its other target; whether there is a contact, where a threshold is known; the bound of a network
+/// that has one; whether the grip's rest is known, and how far it has moved. said: of the line, or of one of its pads.
+/// target: null without a network.
+template <class Said>
+std::string answer_text(const char* target, const Said& said, const MonitorLine& line) {
   std::string text;
-  if (target) text += fmt::format(", \"{}\": {}", target, json_number(answer.slip_index));
-  if (contact) text += fmt::format(", \"contact\": {}", *contact);
-  if (has_bound)
-    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(answer.slip_upper), answer.unlike != 0);
-  if (rest) text += fmt::format(", \"rest\": {}, \"moved\": {}", *rest, json_number(moved));
+  if (target) text += fmt::format(", \"{}\": {}", target, json_number(said.answer.slip_index));
+  if (said.contact) text += fmt::format(", \"contact\": {}", *said.contact);
+  if (line.has_bound)
+    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(said.answer.slip_upper),
+                        said.answer.unlike != 0);
+  if (said.rest) text += fmt::format(", \"rest\": {}, \"moved\": {}", *said.rest, json_number(said.moved));
+  if (line.has_left)
+    text += fmt::format(", \"calm\": {}, \"left\": {}", json_number(said.calm), json_number(said.left));
+  if (line.has_index) text += fmt::format(", \"index\": {}", json_number(said.index));
+  if (said.released) text += ", \"released\": true";
   return text.substr(2);
 }
 
@@ -33,11 +39,11 @@ std::string further_text(const MonitorRequest& request, const MonitorLine& line,
   std::string text;
   if (line.true_slip_index) text += fmt::format(", \"true_slip_index\": {}", json_number(*line.true_slip_index));
   for (const AlarmAnswer& pad : line.pads)
-    text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
-                        answer_text(target, pad.answer, pad.contact, line.has_bound, pad.rest, pad.moved),
+    text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ", answer_text(target, pad, line),
                         &pad == &line.pads.back() ? "]" : "");
   if (request.alarm) text += fmt::format(", \"alarm\": {}", line.alarm);
   if (request.alarm || line.has_bound) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
+  if (line.cannot_tell) text += fmt::format(", \"why\": \"{}\"", name(line.why));
   for (const Drift& drift : line.drift)
     text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": {}}}{}",
                         &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),
@@ -64,8 +70,7 @@ std::string line_text(const MonitorRequest& request, const MonitorLine& line, co
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}{}, \"latency_us\": {}}}",
                      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-                     json_number(line.frame.arrival),
-                     answer_text(target, line.answer, line.contact, line.has_bound, line.rest, line.moved),
+                     json_number(line.frame.arrival), answer_text(target, line, line),
                      further_text(request, line, target), tactels > 0 ? stresses_text(line, tactels) : "", latency);
 }
 

@@ -9,6 +9,7 @@
 #include "host/commands/live/sensor_session.h"
 #include "host/live/frame_reader.h"
 #include "host/live/live_monitor.h"
+#include "host/live/recorded_hold.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -23,7 +24,8 @@ constexpr std::size_t fewest_frames = 8;  // fewer cannot tell rest from motion
 constexpr double patience = 10;           // s, for the first frame: some boards take seconds to boot
 
 struct TareRequest : SensorRequest {
-  std::string output, hold, network;
+  std::string output, network;
+  std::vector<std::string> holds, slides;
   bool force = false;
 };
 
@@ -66,22 +68,30 @@ std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   return worst;
 }
 
-/// Adds the thresholds of `moved` and of a network of `slid`: 1.2 times their largest in a recording of a hold. Throws
-/// SourceError where it has no rest, or ends.
-void add_thresholds(const TareRequest& request, std::span<const nn::Model> networks, hw::Calibration& calibration) {
-  const std::string& given = request.hold;
+/// Opens a recording of the sensor whose zero is in `calibration`. Throws SourceError for another sensor.
+OpenSource open_recording(const TareRequest& request, const std::string& given, const hw::Calibration& calibration) {
   const bool source = given.starts_with("replay:") || given.starts_with("csv:") || given.starts_with("simulate:");
-  OpenSource hold = open_source(source ? given : "replay:" + given, request.profiles, {});
+  OpenSource opened = open_source(source ? given : "replay:" + given, request.profiles, {});
+  if (opened.profile.format()->channels() != calibration.offset.size())
+    throw hw::SourceError(fmt::format("{}: {} channels, and --source has {}; give a recording of the same sensor",
+                                      given, opened.profile.format()->channels(), calibration.offset.size()));
+  opened.profile.map.calibration = calibration;
+  if (!knows_touch(opened.profile))
+    throw hw::SourceError(given +
+                          ": the readings at rest have no noise, which tells a touch; take --source from the "
+                          "sensor itself");
+  return opened;
+}
+
+/// Thresholds of `moved` and of a network of `slid` in one hold: 1.2 times their largest. Throws SourceError where it
+/// has no rest, or ends.
+struct Thresholds {
+  double moved = 0, slid = 0;
+};
+Thresholds thresholds_of(const std::string& given, OpenSource& hold, std::span<const nn::Model> networks) {
   const auto refuse = [&](const std::string& problem, const char* fix) -> hw::SourceError {
     return hw::SourceError(fmt::format("{}: {}; {}", given, problem, fix));
   };
-  if (hold.profile.format()->channels() != calibration.offset.size())
-    throw refuse(
-        fmt::format("{} channels, and --source has {}", hold.profile.format()->channels(), calibration.offset.size()),
-        "give a hold of the same sensor");
-  hold.profile.map.calibration = calibration;
-  if (!knows_touch(hold.profile))
-    throw refuse("the readings at rest have no noise, which tells a touch", "take --source from the sensor itself");
   LiveMonitor monitor(networks, hold.profile,
                       {.late = 1e9, .rest = true, .signal = networks.empty() ? AlarmSignal::moved : AlarmSignal::slip});
   float largest = 0, most_slid = 0;
@@ -101,19 +111,62 @@ void add_thresholds(const TareRequest& request, std::span<const nn::Model> netwo
     throw refuse("no grip at rest in it", "record a hand that grips, holds still, and moves as in use");
   if (ended)
     throw refuse(fmt::format("the grip ends at frame {}", *ended), "record a hold that ends before the hand opens");
-  calibration.moved = infer::hold_margin * largest;
-  if (!(calibration.moved > 0 && calibration.moved < infer::most_moved))
+  const Thresholds all{infer::hold_margin * largest, std::max(infer::hold_margin * most_slid, infer::least_slid)};
+  if (!(all.moved > 0 && all.moved < infer::most_moved))
     throw refuse(fmt::format("the stresses change by {:.2g} of the normal force", largest), "record a grip that holds");
-  if (networks.empty()) return;
-  calibration.slid = std::max(infer::hold_margin * most_slid, infer::least_slid);
-  if (!(calibration.slid < 1))
+  if (!networks.empty() && !(all.slid < 1))
     throw refuse(fmt::format("the network says that it slides, {:.2g}", most_slid), "record a grip that holds");
+  return all;
+}
+
+/// Adds the largest thresholds of all holds. `moved` alone, a second opinion, may have none.
+void add_thresholds(const TareRequest& request, std::span<const nn::Model> networks, hw::Calibration& calibration) {
+  Thresholds most;
+  for (const std::string& given : request.holds) try {
+      OpenSource hold = open_recording(request, given, calibration);
+      const Thresholds of_hold = thresholds_of(given, hold, networks);
+      most = {std::max(most.moved, of_hold.moved), std::max(most.slid, of_hold.slid)};
+    } catch (const hw::SourceError&) {
+      if (!networks.empty()) throw;
+    }
+  calibration.moved = most.moved;
+  if (!networks.empty()) calibration.slid = most.slid;
+}
+
+/// Learns the hold of all recordings. Returns what is said of it.
+std::string add_hold(const TareRequest& request, const SensorProfile& profile, hw::Calibration& calibration) {
+  SensorProfile tared = profile;
+  tared.map.calibration = calibration, tared.map.calibration.hold = profile.map.calibration.hold;
+  HoldLearner learner(tared);
+  for (const std::string& given : request.holds) {
+    const OpenSource hold = open_recording(request, given, calibration);
+    learner.read(*hold.source, given);
+  }
+  const HoldReport report = learner.learn();
+  calibration.hold = report.hold;
+  for (const std::string& warning : report.warnings) print_warning(warning);
+  return fmt::format("hold of {:.1f} s: the alarm of left begins at {:.3g} times its largest change, {:.3g}",
+                     report.hold.seconds, report.hold.margin, report.largest);
+}
+
+std::string add_slide(const TareRequest& request, const SensorProfile& profile, hw::Calibration& calibration) {
+  SensorProfile tared = profile;
+  tared.map.calibration = calibration;
+  std::vector<double> mean(tactels_of(profile).size());  // of logarithms
+  for (const std::string& given : request.slides) {
+    const OpenSource slide = open_recording(request, given, calibration);
+    const std::vector<double> one = read_slide(*slide.source, tared, given);
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      mean[i] += std::log(one[i]) / static_cast<double>(request.slides.size());
+  }
+  for (const double log : mean) calibration.slide.push_back(std::exp(log));
+  return fmt::format("it slides at Q / P = {:.3g}", fmt::join(calibration.slide, ", "));
 }
 
 /// The network of --network; none without it.
 std::vector<nn::Model> networks_of(const TareRequest& request) {
   if (request.network.empty()) return {};
-  if (request.hold.empty())
+  if (request.holds.empty())
     throw ConfigError("command line", "--network", request.network, "given with --hold, whose slid it judges");
   std::vector<nn::Model> networks{read_onnx(request.network)};
   if (networks.front().target != nn::Target::slid)
@@ -150,10 +203,18 @@ int run_tare(const TareRequest& request) {
   calibration.offset = tare.offset();
   calibration.noise = tare.noise();
   calibration.has_zero = true;
-  if (!request.hold.empty()) add_thresholds(request, networks, calibration);
+  calibration.hold = {}, calibration.slide.clear();
+  std::vector<std::string> said;
+  if (!request.holds.empty()) {
+    add_thresholds(request, networks, calibration);
+    said.push_back(add_hold(request, opened.profile, calibration));
+  }
+  if (!request.slides.empty()) said.push_back(add_slide(request, opened.profile, calibration));
   write_file("--output", request.output, calibration_text(calibration));
   say(fmt::format("the mean of {} frames is in {}", tare.frames(), request.output));
-  if (!request.hold.empty()) say(fmt::format("the alarm of moved begins at {:.4g}", calibration.moved));
+  for (const std::string& text : said) say(text);
+  if (calibration.moved > 0 && !request.holds.empty())
+    say(fmt::format("the alarm of moved begins at {:.4g}", calibration.moved));
   if (!networks.empty()) say(fmt::format("the alarm of {} begins at {:.4g}", request.network, calibration.slid));
   return done;
 }
@@ -173,11 +234,18 @@ void add_tare_command(CLI::App& app, Action& action) {
       ->check(positive_number())
       ->capture_default_str();
   command
-      ->add_option(
-          "--hold", request->hold,
-          "recording of a grip that holds, moved as in use: 1.2 times its largest \"moved\" is the threshold of "
-          "monitor --signal moved --alarm; of tactel record, or csv:FILE")
-      ->type_name("RECORDING");
+      ->add_option("--hold", request->holds,
+                   "recording of grips that hold, moved as in use, from which the alarm of monitor --rest learns how "
+                   "the hand trembles; 1.2 times its largest \"moved\" is the threshold of monitor --signal moved; of "
+                   "tactel record, or csv:FILE; repeatable")
+      ->type_name("RECORDING")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--slide", request->slides,
+                   "recording in which the held object slides: lines of monitor --rest say how near they are to it, "
+                   "\"index\"; repeatable")
+      ->type_name("RECORDING")
+      ->allow_extra_args(false);
   command
       ->add_option("--network", request->network,
                    "with --hold: 1.2 times the largest answer of this network of slid is its threshold, too")

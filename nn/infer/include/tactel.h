@@ -77,8 +77,21 @@ typedef struct tactel_alarm tactel_alarm;
 
 /* The number that an alarm judges. */
 enum tactel_signal {
-  TACTEL_SLIP = 0, /* the upper bound of S, or S */
-  TACTEL_MOVED = 1 /* `moved` */
+  TACTEL_SLIP = 0,  /* the upper bound of S, or S */
+  TACTEL_MOVED = 1, /* `moved` */
+  TACTEL_LEFT = 2   /* `left` */
+};
+
+/* Why a frame cannot tell, as tactel::CannotTell of tactel/infer.h. */
+enum tactel_cannot_tell {
+  TACTEL_CAN_TELL = 0,
+  TACTEL_NOT_A_NUMBER = 1,
+  TACTEL_FROZEN = 2,
+  TACTEL_WRONG_SIGN = 3,
+  TACTEL_NO_REST = 4,
+  TACTEL_UNLIKE = 5,
+  TACTEL_WIDE = 6,
+  TACTEL_NO_ANSWER = 7
 };
 
 /* Rules of an alarm, as tactel::AlarmOptions of tactel/infer.h. */
@@ -90,18 +103,28 @@ typedef struct tactel_alarm_options {
   int hold;          /* it begins at the last of so many frames in a row that ask for it */
   int ignore_unlike; /* 0: a frame that is unlike those learnt asks for the alarm; else its S decides */
   int rest;          /* 1: answers have `rest` and `moved` */
-  int signal;        /* what `at` is of, enum tactel_signal; TACTEL_MOVED stands for `rest`, too */
+  int signal;        /* what `at` is of, enum tactel_signal; all but TACTEL_SLIP stand for `rest`, too */
+  /* of TACTEL_LEFT, whose `at` is 1 where it is -1: */
+  double rate;          /* Hz, of the frames */
+  size_t columns;       /* tactels along x, x fastest; 0: as many as along y */
+  double aspect;        /* pitch along y over that along x */
+  float covariance[36]; /* of a recorded hold: as [hold] of a calibration file has it */
+  float held_at;        /* the same; 0: no hold was recorded */
+  float slide;          /* Q / P with its torque of a slide, as [slide] has it; 0: none is known */
 } tactel_alarm_options;
 
 /* What an alarm says about a frame. */
 typedef struct tactel_alarm_answer {
-  tactel_answer answer; /* its S and upper bound are NaN without contact */
-  int contact;          /* 0 or 1; -1 without a threshold of touch */
-  float acted_on;       /* number that the alarm judges; 0 without contact */
-  int on;               /* 1: the alarm */
-  int cannot_tell;      /* 1: no answer though it touches, or unlike those learnt, or only the width keeps it off */
-  int rest;             /* 0 or 1: a rest of this grip is known; -1 where it is not asked for */
-  float moved;          /* change of the stresses since rest, over the sum of the normal stresses then; NaN: none */
+  tactel_answer answer;    /* its S and upper bound are NaN without contact */
+  int contact;             /* 0 or 1; -1 without a threshold of touch */
+  float acted_on;          /* number that the alarm judges; 0 without contact */
+  int on;                  /* 1: the alarm */
+  int cannot_tell;         /* 1: by `why` */
+  int rest;                /* 0 or 1: a rest of this grip is known; -1 where it is not asked for */
+  float moved;             /* change of the stresses since rest, over the sum of the normal stresses then; NaN: none */
+  int why;                 /* enum tactel_cannot_tell */
+  float left, calm, index; /* of TACTEL_LEFT, as tactel::AlarmAnswer of tactel/infer.h; NaN: none */
+  int released;            /* 1: the hand has opened */
 } tactel_alarm_answer;
 
 /* Returns the default rules: at 0.8, the network's own touch, any width, 1 frame, unlike frames ask for it. */
@@ -111,7 +134,8 @@ TACTEL_API tactel_alarm_options tactel_alarm_defaults(void);
    rules out of range and without memory; tactel_error() has the reason. */
 TACTEL_API tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options);
 
-/* The same without a network, by TACTEL_MOVED: frames of `tactels` with 1 to 3 axes each. */
+/* The same without a network, by TACTEL_LEFT or TACTEL_MOVED: frames of `tactels` with 1 to 3 axes each. `options` may
+   be NULL: TACTEL_LEFT, touch 0.001 MPa. */
 TACTEL_API tactel_alarm* tactel_alarm_create_moved(size_t tactels, size_t axes, const tactel_alarm_options* options);
 
 /* Frees an alarm. */
@@ -125,11 +149,14 @@ TACTEL_API tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const floa
    numbers out of range and a network that does not take friction; tactel_error() says why. */
 TACTEL_API int tactel_alarm_friction(tactel_alarm* alarm, double mu, double spread);
 
-/* Where the object is known to slide in the newest frame: reads mu, tells it from the next frame on, and returns it;
-   NaN where there is none (tactel::Alarm::slides of tactel/infer.h). */
+/* Where the object is known to slide in the newest frame: reads mu, or of TACTEL_LEFT Q / P, tells it from the next
+   frame on, and returns it; NaN where there is none (tactel::Alarm::slides of tactel/infer.h). */
 TACTEL_API float tactel_alarm_slides(tactel_alarm* alarm);
 
-/* Seeks rest anew from the next frame on, after a change of the grip; ends an alarm of TACTEL_MOVED. */
+/* Says that frames come at another rate, Hz (tactel::Alarm::rate of tactel/infer.h). */
+TACTEL_API void tactel_alarm_rate(tactel_alarm* alarm, double hz);
+
+/* Seeks rest anew from the next frame on, after a change of the grip; ends an alarm that needs the rest. */
 TACTEL_API void tactel_alarm_rest(tactel_alarm* alarm);
 
 /* Ends the alarm and forgets all frames. */
@@ -142,6 +169,9 @@ TACTEL_API const char* tactel_error(void);
 
 /* Returns the name of a status: "ok", "no stress", ... */
 TACTEL_API const char* tactel_status_name(uint32_t status);
+
+/* Returns the name of a reason: "not a number", "frozen", ...; "" of TACTEL_CAN_TELL. */
+TACTEL_API const char* tactel_cannot_tell_name(int why);
 
 /* Returns the version of the library, "1.0.0-rc1". */
 TACTEL_API const char* tactel_version(void);

@@ -111,7 +111,7 @@ const WrongCall wrong_calls[] = {
      "--target = slipindex: must be one of slip_index, force_ratio, stick_fraction, slid; did you mean slip_index?"},
     {"Twice", "solve a.toml --rung paper --rung paper", "--rung = paper: must be given once"},
     {"OneTooMany", "check a.h5 b.h5", "argument = b.h5: must be left out: tactel check takes no more"},
-    {"RangeOfNumbers", "monitor --alarm 2", "--alarm = 2: must be a number, 0 to 1"},
+    {"RangeOfNumbers", "monitor --alarm 200", "--alarm = 200: must be a number, 0 to 100"},
     {"Companion", "monitor --source x --network y --widest 1", "--widest: must be left out, or with --alarm"},
     {"UnknownOfANestedCommand", "calibrate plan a.toml --candidate b.toml",
      "--candidate: must be an option of tactel calibrate plan; did you mean --candidates?"},

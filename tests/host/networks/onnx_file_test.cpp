@@ -184,6 +184,23 @@ TEST_F(OnnxFileOnDevice, KeepsTheRangesThatWereLearnt) {
   EXPECT_EQ(SlipEstimator::load(path_.string()).metadata("smallest_peak"), "") << "of a network that does not know it";
 }
 
+// The alarm of such a file never comes, or nothing is a contact.
+TEST_F(OnnxFile, RefusesRangesThatNoSetHas) {
+  nn::Model model = some_model("16-9-1", ScalingKind::set);
+  model.learnt = {
+      .smallest_peak = 0.1f, .largest_peak = 1.7f, .least_friction = 0.3f, .most_friction = 0.8f, .alarm_at = 0.2f};
+  const std::pair<const char*, const char*> bad[] = {
+      {"alarm_at", "1"},         {"alarm_at", "100"},      {"alarm_at", "-0.2"},   {"smallest_peak", "-1"},
+      {"smallest_peak", "1e30"}, {"smallest_peak", "1.8"}, {"smallest_peak", "0"}, {"least_friction", "0.9"}};
+  for (const auto& [key, value] : bad) {
+    onnx::ModelProto crafted = parsed(model);
+    metadata(crafted, key) = value;
+    put(sealed(crafted));
+    EXPECT_THAT(message(), ::testing::AllOf(::testing::HasSubstr("network.onnx"), ::testing::HasSubstr(key))) << value;
+    EXPECT_THROW(SlipEstimator::load(path_.string()), InputError) << key << ' ' << value;
+  }
+}
+
 TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
   nn::Model model = some_model("16-9-1", ScalingKind::frame);
   const nn::RowMatrix<float> frames = bumps(20, 16, 9).frames;

@@ -3,6 +3,7 @@
 #include <tactel/error.h>
 #include <tactel/export.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -141,6 +142,31 @@ class TACTEL_API SlipHistory {
 enum class AlarmSignal : std::uint32_t {
   slip = 0,   ///< the upper bound of S, or S; of a network of `slid` its answer
   moved = 1,  ///< AlarmAnswer::moved
+  left = 2,   ///< AlarmAnswer::left
+};
+
+/// Why a frame cannot tell.
+enum class CannotTell : std::uint32_t {
+  none = 0,
+  not_a_number = 1,  ///< a stress is NaN or infinite
+  frozen = 2,        ///< no stress has changed for more than twice as many frames as ever before, and for ten at least
+  wrong_sign = 3,    ///< the normal stresses pull
+  no_rest = 4,       ///< the rest that it needs is not found
+  unlike = 5,        ///< it is unlike those that the network learnt
+  wide = 6,          ///< only the width of the interval keeps the alarm off
+  no_answer = 7,     ///< the network has none
+};
+
+/// Returns "not a number", "frozen", "wrong sign", "no rest", "unlike", "wide interval" or "no answer"; "" of none.
+TACTEL_API const char* name(CannotTell why) noexcept;
+
+/// How a hand trembles that holds, as `tactel tare --hold` writes it into [hold] of a calibration file.
+struct HeldGrip {
+  /// Lower triangle, row by row, of the covariance of the moments of the changes since rest, over P: Q_x, Q_y, z x, z
+  /// y, tau_x x, tau_x y, tau_y x, tau_y y, of tactels' places over their rms radius. Normal stresses alone have z x, z
+  /// y.
+  std::array<float, 36> covariance{};
+  float at = 0;  ///< threshold of their norm by it; 0: no hold was recorded
 };
 
 /// Rules of an Alarm.
@@ -148,10 +174,10 @@ struct AlarmOptions {
   /// The alarm begins where the upper bound of S (S itself of a network without a bound) reaches this, 0 to 1, and ends
   /// below at - 0.05. Of AlarmSignal::moved: above 0 and below 0.5, such as 1.2 times the largest `moved` of a hold
   /// that holds (`tactel tare --hold`); it ends below at / 1.2, as that of a network of `slid` does. Infinity: it never
-  /// begins. -1: alarm_at() of the network; 0.8 where it has none.
+  /// begins. -1: of AlarmSignal::left 1; else alarm_at() of the network, and 0.8 where it has none.
   float at = -1;
   /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. None:
-  /// smallest_peak() of the network. 0: every frame is one, and noise at rest raises alarms.
+  /// smallest_peak() of the network, 0.001 without one. 0: every frame is one, and noise at rest raises alarms.
   std::optional<double> touch{};
   /// No alarm begins at a frame whose interval of S is wider than this: it cannot tell.
   float widest = std::numeric_limits<float>::infinity();
@@ -161,23 +187,38 @@ struct AlarmOptions {
   bool ignore_unlike = false;
   /// Answers have `rest` and `moved`; needs a threshold of touch above 0. A network with needs_rest() stands for it.
   bool rest = false;
-  /// moved: needs no network, and stands for `rest`, too.
+  /// moved, left: need no network, and stand for `rest`, too.
   AlarmSignal signal = AlarmSignal::slip;
+  /// Of AlarmSignal::left: Hz, of the frames; tactels along x of a pad, x fastest, 0: as many as along y; pitch along y
+  /// over that along x; a recorded hold; Q / P with its torque of a slide (`tactel tare --slide`), 0: none is known.
+  double rate = 60;
+  std::size_t columns = 0;
+  double aspect = 1;
+  HeldGrip held{};
+  float slide = 0;
 };
 
 /// What an Alarm says about a frame.
 struct AlarmAnswer {
   Answer answer{};                ///< its S and upper bound are NaN without contact
   std::optional<bool> contact{};  ///< none without a threshold of touch
-  float acted_on = 0;  ///< number that the alarm judges, AlarmSignal; 0 without contact, or rest where needed
-  bool on = false;     ///< the alarm
-  /// The frame has no answer though it touches, or is unlike those learnt, or only the width of its interval keeps the
-  /// alarm off, or the rest that it needs is not found.
-  bool cannot_tell = false;
+  float acted_on = 0;        ///< number that the alarm judges, AlarmSignal; 0 without contact, or rest where needed
+  bool on = false;           ///< the alarm
+  bool cannot_tell = false;  ///< by `why`. The alarm stays as it is, or goes by what `left` makes of the other stresses
   std::optional<bool> rest{};  ///< whether a rest of this grip is known; none where it is not asked for
   /// Change of the stresses since rest: the Euclidean norm of the differences of all, over the sum of the normal
   /// stresses at rest. NaN without contact or rest, and where a stress is not finite.
   float moved = std::numeric_limits<float>::quiet_NaN();
+  CannotTell why = CannotTell::none;
+  /// Of AlarmSignal::left. How far the stresses have left their rest, 1: the alarm; squeezing and easing leave it at 0.
+  /// NaN without contact or rest. Before judge() it is without `index`.
+  float left = std::numeric_limits<float>::quiet_NaN();
+  /// How the newest third of a second trembles: the rms distance of its frames from their mean, over P.
+  float calm = std::numeric_limits<float>::quiet_NaN();
+  /// Q / P with its torque, over that of a slide: 1 slides. NaN without contact, or where none is known. judge() takes
+  /// it into `left`: of several pads of an object give all the smallest.
+  float index = std::numeric_limits<float>::quiet_NaN();
+  bool released = false;  ///< the hand has opened
 };
 
 /// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer leaves the
@@ -186,14 +227,15 @@ struct AlarmAnswer {
 ///
 /// Rest is the mean of the first frames after touch-down in which nothing moves: ten or more, and a quarter of those
 /// since touch-down; 500 are enough. It is sought anew after a release, where the sum of the normal stresses has
-/// doubled, and by rest().
+/// doubled, and by rest(). That of AlarmSignal::left follows the hand: it is the mean of the last third of a second in
+/// which the hand moved no more than its tremor. What leaves it more slowly than by a tenth of P a second is not seen.
 class TACTEL_API Alarm {
  public:
   /// Throws InputError for options out of range, `widest` without a bound, and a network that estimates neither S nor
   /// `slid`.
   explicit Alarm(const SlipEstimator& network, const AlarmOptions& options = {});
-  /// Without a network, by AlarmSignal::moved: frames of 1 or more tactels with 1 to 3 axes each, normal stresses
-  /// first. S and its bound are NaN. Throws InputError for options out of range.
+  /// Without a network, by AlarmSignal::moved or left: frames of 1 or more tactels with 1 to 3 axes each, normal
+  /// stresses first. S and its bound are NaN. Throws InputError for options out of range.
   Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options);
   ~Alarm();
   Alarm(const Alarm&) = delete;
@@ -211,8 +253,11 @@ class TACTEL_API Alarm {
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
   /// As SlipHistory::friction. Throws InputError for numbers out of range and a network that does not take friction.
   void friction(double mu, double spread);
-  /// As SlipHistory::slides, of the newest frame that next() took.
+  /// As SlipHistory::slides, of the newest frame that next() took. Of AlarmSignal::left: remembers Q / P of that frame
+  /// with its torque for `index`, of several calls the geometric mean, and returns it.
   float slides() noexcept;
+  /// Says that frames come at another rate, Hz, than that of the options. Ignores what is no number above 0.
+  void rate(double hz) noexcept;
   /// Seeks rest anew from the next frame on: call it where the hand has changed its grip and holds still. Ends an alarm
   /// that needs the rest.
   void rest() noexcept;

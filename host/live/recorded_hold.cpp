@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/live/recorded_hold.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+
+#include "host/live/frame_reader.h"
+#include "host/live/live_monitor.h"
+#include "host/live/rate_meter.h"
+#include "nn/infer/grip_score.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double least_seconds = 1, enough_seconds = 3, prior_seconds = 1.5;
+constexpr double mixed = 0.9;          // of the off-diagonal numbers of H
+constexpr double least_square = 1e-7;  // of a moment: noise of a calm pad is 0.1 % of P
+constexpr double hold_margin = 2.2, hold_margin_seconds = 2;
+constexpr double much_left = 1, most_left = 2;  // people that hold: 0.9 in 97 of 100, 1.6 at most
+constexpr double least_slide = 0.2;             // s
+constexpr double upper = 0.98, near_upper = 0.85;
+
+using Take = std::function<void(std::size_t pad, std::span<const float> stresses, double time)>;
+
+/// Hands the stresses of each pad of each frame to `take`. Returns the rate of frames.
+double for_frames(hw::FrameSource& source, const SensorProfile& profile, const Take& take) {
+  const std::vector<std::size_t> tactels = tactels_of(profile);
+  const std::size_t all = profile.map.tactels(), axes = profile.map.places() / all;
+  hw::Decoder decoder(profile.format());
+  std::vector<float> frame(profile.map.places()), pad(frame.size());
+  RateMeter rate(usual_rate(profile));
+  read_frames(source, decoder, {.frame = [&](const hw::DecodedFrame& decoded, double arrival) {
+                const double time = decoded.device_time.value_or(arrival);
+                if (source.timed()) rate.next(time);
+                profile.map.apply(decoded.values, frame);
+                for (std::size_t i = 0, first = 0; i < tactels.size(); first += tactels[i++]) {
+                  take_pad(frame, all, first, tactels[i], pad.data());
+                  take(i, std::span(pad).first(axes * tactels[i]), time);
+                }
+              }});
+  return rate.rate();
+}
+
+std::vector<double> touches_of(const SensorProfile& profile) {
+  std::vector<double> touches;
+  std::size_t first = 0;
+  for (const std::size_t tactels : tactels_of(profile)) {
+    touches.push_back(profile.map.touch(first, tactels));
+    first += tactels;
+  }
+  return touches;
+}
+
+double quantile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+}
+
+}  // namespace
+
+void HoldLearner::read(hw::FrameSource& source, const std::string& name) {
+  const std::vector<double> touches = touches_of(profile_);
+  std::deque<infer::GripScore> scores;
+  for (std::size_t i = 0; i < touches.size(); ++i)
+    scores.emplace_back(shape_of(profile_, i), AlarmOptions{.rate = usual_rate(profile_)}, touches[i]);
+  moments_ = scores.front().moments().count();
+  std::vector<std::size_t> frames(scores.size());
+  std::optional<double> begin;
+  const double rate = for_frames(source, profile_, [&](std::size_t i, std::span<const float> stresses, double time) {
+    const auto normals = stresses.first(shape_of(profile_, i).tactels);
+    const bool touching = std::ranges::any_of(normals, [&](float s) { return std::abs(s) >= touches[i]; });
+    const infer::GripReading said = scores[i].next(stresses, touching);
+    if (!begin) begin = time;
+    if (!std::isfinite(said.left)) return;
+    ++frames[i];
+    const infer::Moments& d = scores[i].newest().moments;
+    changes_.insert(changes_.end(), d.begin(), d.begin() + static_cast<std::ptrdiff_t>(moments_));
+    most_left_ = std::max<double>(most_left_, said.left);
+    if (said.left >= most_left && !said.released)
+      throw hw::SourceError(fmt::format("{}: it moves at {:.2f} s; record a grip that holds", name, time - *begin));
+  });
+  const std::size_t most = std::ranges::max(frames);
+  if (most == 0)
+    throw hw::SourceError(name + ": no grip at rest in it; record a hand that grips, holds still, and moves as in use");
+  rate_ = rate, seconds_ += static_cast<double>(most) / rate;
+}
+
+/// Of the frames, and of other holders.
+std::vector<double> HoldLearner::covariance() const {
+  const std::size_t n = moments_;
+  const auto frames = static_cast<double>(changes_.size() / n);
+  const std::vector<double>& prior = profile_.map.calibration.hold.covariance;
+  const double share = frames / (frames + prior_seconds * rate_);
+  std::vector<double> all(n * (n + 1) / 2);
+  for (std::size_t f = 0; f < changes_.size(); f += n)
+    for (std::size_t i = 0, k = 0; i < n; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++k) all[k] += changes_[f + i] * changes_[f + j] / frames;
+  for (std::size_t i = 0, k = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j, ++k) {
+      const double others = !prior.empty() ? prior[k] : i == j ? all[k] : 0;
+      all[k] = share * all[k] * (i == j ? 1 : mixed) + (1 - share) * others + (i == j ? least_square : 0);
+    }
+  return all;
+}
+
+double HoldLearner::largest(const std::vector<double>& covariance) const {
+  const std::vector<double> white =
+      infer::whitening(std::vector<float>(covariance.begin(), covariance.end()), moments_);
+  double most = 0;
+  for (std::size_t f = 0; f < changes_.size(); f += moments_)
+    most = std::max(most, infer::norm(white, std::span<const float>(changes_).subspan(f, moments_)));
+  return most;
+}
+
+HoldReport HoldLearner::learn() const {
+  HoldReport report;
+  hw::RecordedHold& hold = report.hold;
+  if (seconds_ < least_seconds)
+    throw hw::SourceError(
+        fmt::format("--hold: {:.2g} s of a grip at rest; record a grip that holds still for {:g} s or "
+                    "more",
+                    seconds_, least_seconds));
+  hold = {covariance(), 0, seconds_, rate_, hold_margin + hold_margin_seconds / seconds_};
+  report.largest = largest(hold.covariance);
+  if (!(report.largest > 0)) throw hw::SourceError("--hold: nothing trembles in it; record the sensor itself");
+  hold.at = hold.margin * report.largest;
+  if (seconds_ < enough_seconds)
+    report.warnings.push_back(
+        fmt::format("{:.1f} s of hold; {:g} or more give fewer false alarms", seconds_, enough_seconds));
+  if (most_left_ > much_left)
+    report.warnings.push_back(
+        fmt::format("it moves more than a hold mostly does, {:.2g} times what alarms without it", most_left_));
+  return report;
+}
+
+std::vector<double> read_slide(hw::FrameSource& source, const SensorProfile& profile, const std::string& name) {
+  const std::vector<double> touches = touches_of(profile);
+  std::deque<infer::PadMoments> moments;
+  for (std::size_t i = 0; i < touches.size(); ++i) moments.emplace_back(shape_of(profile, i));
+  std::vector<std::vector<double>> frictions(touches.size());
+  const double rate = for_frames(source, profile, [&](std::size_t i, std::span<const float> stresses, double) {
+    if (moments[i].force(stresses) >= infer::earnest * touches[i])
+      frictions[i].push_back(moments[i].friction(stresses));
+  });
+  std::vector<double> slides;
+  for (std::vector<double>& of_pad : frictions) {
+    std::ranges::sort(of_pad);
+    if (static_cast<double>(of_pad.size()) < least_slide * rate)
+      throw hw::SourceError(
+          fmt::format("{}: no grip of {:g} s in it; record an object that slides", name, least_slide));
+    const double most = quantile(of_pad, upper);
+    const auto first = std::ranges::lower_bound(of_pad, near_upper * most);
+    const auto count = static_cast<double>(of_pad.end() - first);
+    if (count < least_slide * rate)
+      throw hw::SourceError(
+          fmt::format("{}: nothing slides for {:g} s in it; record an object that slides", name, least_slide));
+    slides.push_back(*(first + (of_pad.end() - first) / 2));
+  }
+  return slides;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nn/infer/pad_moments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tactel::infer {
+
+PadMoments::PadMoments(const PadShape& shape) : tactels_(shape.tactels), axes_(shape.axes) {
+  std::size_t columns = shape.columns;
+  if (columns == 0) {
+    const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(tactels_))));
+    columns = side * side == tactels_ && axes_ != 2 ? side : tactels_;
+  }
+  const std::size_t rows = tactels_ / columns;
+  double square = 0;
+  for (std::size_t t = 0; t < tactels_; ++t) {
+    x_.push_back(static_cast<float>(static_cast<double>(t % columns) - 0.5 * static_cast<double>(columns - 1)));
+    y_.push_back(
+        static_cast<float>(shape.aspect * (static_cast<double>(t / columns) - 0.5 * static_cast<double>(rows - 1))));
+    square += x_[t] * x_[t] + y_[t] * y_[t];
+  }
+  const auto radius = static_cast<float>(square > 0 ? std::sqrt(square / static_cast<double>(tactels_)) : 1.0);
+  for (float& x : x_) x /= radius;
+  for (float& y : y_) y /= radius;
+  const bool wide = columns > 1, high = rows > 1, has_x = axes_ > 1, has_y = axes_ > 2;
+  const bool has[] = {has_x, has_y, wide, high, has_x && wide, has_x && high, has_y && wide, has_y && high};
+  for (std::size_t m = 0; m < most_moments; ++m)
+    if (has[m]) which_[count_++] = m;
+}
+
+/// Of the numbers of `frame` where `like` is finite.
+PadMoments::Sums PadMoments::sums(std::span<const float> frame, std::span<const float> like) const noexcept {
+  const auto at = [&](std::size_t k) { return std::isfinite(like[k]) ? double{frame[k]} : 0.0; };
+  Sums s;
+  Moments& m = s.moments;
+  for (std::size_t t = 0; t < tactels_; ++t) {
+    const double z = -at(t), x = x_[t], y = y_[t];
+    s.force += z, m[2] += z * x, m[3] += z * y;
+    if (axes_ < 2) continue;
+    const double a = at(tactels_ + t);
+    m[0] += a, m[4] += a * x, m[5] += a * y;
+    if (axes_ < 3) continue;
+    const double b = at(2 * tactels_ + t);
+    m[1] += b, m[6] += b * x, m[7] += b * y;
+  }
+  return s;
+}
+
+Change PadMoments::change(std::span<const float> frame, std::span<const float> rest) const noexcept {
+  const Sums now = sums(frame, frame), then = sums(rest, frame);
+  const double ratio = now.force / then.force, most = std::max(now.force, then.force);
+  Change change;
+  for (std::size_t m = 0; m < count_; ++m)
+    change.moments[m] = (now.moments[which_[m]] - ratio * then.moments[which_[m]]) / most;
+  double normal = 0, all = 0, moved = 0;
+  for (std::size_t k = 0; k < frame.size(); ++k) {
+    if (!std::isfinite(frame[k])) continue;
+    const double e = frame[k] / now.force - rest[k] / then.force, way = double{frame[k]} - rest[k];
+    all += e * e, moved += way * way;
+    if (k < tactels_) normal += e * e;
+  }
+  change.shape = std::sqrt(std::sqrt(normal) * std::sqrt(all));
+  change.moved = std::sqrt(moved) / then.force;
+  return change;
+}
+
+double PadMoments::friction(std::span<const float> frame) const noexcept {
+  const auto at = [&](std::size_t k) { return std::isfinite(frame[k]) ? double{frame[k]} : 0.0; };
+  const auto pressure = [&](std::size_t t) { return std::max(-at(t), 0.0); };
+  const Sums now = sums(frame, frame);
+  if (!(now.force > 0)) return std::numeric_limits<double>::quiet_NaN();
+  double all = 0, x = 0, y = 0, way = 0, torque = 0;
+  for (std::size_t t = 0; t < tactels_; ++t) all += pressure(t), x += pressure(t) * x_[t], y += pressure(t) * y_[t];
+  x /= all, y /= all;
+  for (std::size_t t = 0; t < tactels_; ++t) {
+    const double dx = x_[t] - x, dy = y_[t] - y;
+    way += pressure(t) * std::hypot(dx, dy) / all;
+    if (axes_ > 1) torque -= dy * at(tactels_ + t);
+    if (axes_ > 2) torque += dx * at(2 * tactels_ + t);
+  }
+  return std::hypot(now.moments[0], now.moments[1], way > 0 ? torque / way : 0) / now.force;
+}
+
+}  // namespace tactel::infer
