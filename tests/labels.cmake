@@ -22,7 +22,7 @@ set(unit_answers Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner
 set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
 set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram Left LiveView OpenSource SensorProfile)
 set(unit_training AlarmCounting BoundReport TrainingSources)
-set(unit_api CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
+set(unit_api AlarmApi CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
 set(unit_studies HandPress InverseReport LoopDrift RealSensorPlan SceneMix TradeoffReport)
 set(unit_commands BadSceneTest CommandLine Completion DevicesCommandDeathTest GenerateOutputs Help HostileFiles Keys LiveServer Memory MonitorOptions
     Numbers ProfileFile ReadmeFiles SolveOnHost StandardError UnreadableScene Words WrongCallTest)

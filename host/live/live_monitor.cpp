@@ -216,16 +216,11 @@ void LiveMonitor::estimate() {
   }
 }
 
-/// Judges the pads, each with the smallest index: an object goes where all let it go.
+/// Judges the pads; by AlarmSignal::left what they say together.
 void LiveMonitor::judge() {
-  float smallest = std::numeric_limits<float>::quiet_NaN();
-  for (const AlarmAnswer& pad : line_.pads) smallest = std::fmin(smallest, pad.index);
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    AlarmAnswer& pad = line_.pads[i];
-    const float own = std::exchange(pad.index, smallest);
-    pad = sensors_[i].alarm.judge(pad);
-    pad.index = own;
-  }
+  own_ = line_.pads;
+  if (line_.has_left) join(line_.pads);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) line_.pads[i] = sensors_[i].alarm.judge(line_.pads[i]);
 }
 
 // A late frame is answered for the history alone.
@@ -250,6 +245,7 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
   }
   judge();
   take_largest(line);
+  for (std::size_t i = 0; i < own_.size(); ++i) line.pads[i].left = own_[i].left, line.pads[i].index = own_[i].index;
   if (line.pads.size() == 1) line.pads.clear();
   const double now = source_->now();
   line.latency = 1e6 * (now - arrival), line.answer_time = 1e6 * (now - decoded);

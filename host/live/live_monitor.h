@@ -154,6 +154,7 @@ class LiveMonitor {
   std::unique_ptr<LiveEstimator> estimator_;            ///< null without networks
   std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame
   std::vector<Answer> answers_;                         ///< [sensors]
+  std::vector<AlarmAnswer> own_;                        ///< [sensors] before they are joined
   MonitorLine line_;                                    ///< the newest, for its memory
   std::vector<float> stresses_;                         ///< [places of the map] MPa, of the newest frame
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock

@@ -20,14 +20,16 @@ constexpr double least_seconds = 1, enough_seconds = 3, prior_seconds = 1.5;
 constexpr double mixed = 0.9;          // of the off-diagonal numbers of H
 constexpr double least_square = 1e-7;  // of a moment: noise of a calm pad is 0.1 % of P
 constexpr double hold_margin = 2.2, hold_margin_seconds = 2;
-constexpr double much_left = 1, most_left = 2;  // people that hold: 0.9 in 97 of 100, 1.6 at most
-constexpr double least_slide = 0.2;             // s
-constexpr double upper = 0.98, near_upper = 0.85;
+constexpr double much_left = 1, most_left = 2.4;  // of the score: people that hold 1.35, swings above 2.5
+constexpr double least_slide = 0.2;               // s
+constexpr double upper = 0.98, near_upper = 0.85, least_rise = 1.1;
+constexpr std::size_t rest_frames = 20;
 
 using Take = std::function<void(std::size_t pad, std::span<const float> stresses, double time)>;
 
-/// Hands the stresses of each pad of each frame to `take`. Returns the rate of frames.
-double for_frames(hw::FrameSource& source, const SensorProfile& profile, const Take& take) {
+/// Hands the stresses of each pad of each frame to `take`, and each new rate of frames to `tell`. Returns the last one.
+double for_frames(hw::FrameSource& source, const SensorProfile& profile, const Take& take,
+                  const std::function<void(double hz)>& tell) {
   const std::vector<std::size_t> tactels = tactels_of(profile);
   const std::size_t all = profile.map.tactels(), axes = profile.map.places() / all;
   hw::Decoder decoder(profile.format());
@@ -35,7 +37,7 @@ double for_frames(hw::FrameSource& source, const SensorProfile& profile, const T
   RateMeter rate(usual_rate(profile));
   read_frames(source, decoder, {.frame = [&](const hw::DecodedFrame& decoded, double arrival) {
                 const double time = decoded.device_time.value_or(arrival);
-                if (source.timed()) rate.next(time);
+                if (const auto hz = source.timed() ? rate.next(time) : std::nullopt) tell(*hz);
                 profile.map.apply(decoded.values, frame);
                 for (std::size_t i = 0, first = 0; i < tactels.size(); first += tactels[i++]) {
                   take_pad(frame, all, first, tactels[i], pad.data());
@@ -55,8 +57,20 @@ std::vector<double> touches_of(const SensorProfile& profile) {
   return touches;
 }
 
-double quantile(const std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+double quantile(std::vector<double>& values, double share) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// Of a pad's frictions, those of its first rest among them.
+double slide_of(std::vector<double>& frictions, std::vector<double>& at_rest, double rate, const std::string& name) {
+  const double most = frictions.empty() ? 0 : quantile(frictions, upper);
+  std::vector<double> sliding;
+  std::ranges::copy_if(frictions, std::back_inserter(sliding), [&](double w) { return w >= near_upper * most; });
+  const bool rises = at_rest.empty() || most >= least_rise * quantile(at_rest, 0.5);
+  if (static_cast<double>(sliding.size()) < least_slide * rate || !rises || !(most > 0))
+    throw hw::SourceError(name + ": nothing slides in it; record a held object that slides on all pads");
+  return quantile(sliding, 0.5);
 }
 
 }  // namespace
@@ -68,19 +82,24 @@ void HoldLearner::read(hw::FrameSource& source, const std::string& name) {
     scores.emplace_back(shape_of(profile_, i), AlarmOptions{.rate = usual_rate(profile_)}, touches[i]);
   moments_ = scores.front().moments().count();
   std::vector<std::size_t> frames(scores.size());
+  std::vector<bool> closing(scores.size());
   std::optional<double> begin;
-  const double rate = for_frames(source, profile_, [&](std::size_t i, std::span<const float> stresses, double time) {
+  const auto take = [&](std::size_t i, std::span<const float> stresses, double time) {
     const auto normals = stresses.first(shape_of(profile_, i).tactels);
     const bool touching = std::ranges::any_of(normals, [&](float s) { return std::abs(s) >= touches[i]; });
     const infer::GripReading said = scores[i].next(stresses, touching);
     if (!begin) begin = time;
-    if (!std::isfinite(said.left)) return;
+    closing[i] = said.rest && (closing[i] || said.released);  // until the next rest
+    if (!std::isfinite(said.score) || closing[i]) return;
     ++frames[i];
     const infer::Moments& d = scores[i].newest().moments;
     changes_.insert(changes_.end(), d.begin(), d.begin() + static_cast<std::ptrdiff_t>(moments_));
-    most_left_ = std::max<double>(most_left_, said.left);
-    if (said.left >= most_left && !said.released)
+    most_left_ = std::max<double>(most_left_, said.score);
+    if (said.score >= most_left)
       throw hw::SourceError(fmt::format("{}: it moves at {:.2f} s; record a grip that holds", name, time - *begin));
+  };
+  const double rate = for_frames(source, profile_, take, [&](double hz) {
+    for (infer::GripScore& score : scores) score.rate(hz);
   });
   const std::size_t most = std::ranges::max(frames);
   if (most == 0)
@@ -138,27 +157,26 @@ HoldReport HoldLearner::learn() const {
 
 std::vector<double> read_slide(hw::FrameSource& source, const SensorProfile& profile, const std::string& name) {
   const std::vector<double> touches = touches_of(profile);
-  std::deque<infer::PadMoments> moments;
-  for (std::size_t i = 0; i < touches.size(); ++i) moments.emplace_back(shape_of(profile, i));
-  std::vector<std::vector<double>> frictions(touches.size());
-  const double rate = for_frames(source, profile, [&](std::size_t i, std::span<const float> stresses, double) {
-    if (moments[i].force(stresses) >= infer::earnest * touches[i])
-      frictions[i].push_back(moments[i].friction(stresses));
+  std::deque<infer::GripScore> scores;
+  for (std::size_t i = 0; i < touches.size(); ++i)
+    scores.emplace_back(shape_of(profile, i), AlarmOptions{.rate = usual_rate(profile)}, touches[i]);
+  std::vector<std::vector<double>> frictions(touches.size()), at_rest(touches.size());
+  std::vector<bool> begins(touches.size());  // with a touch-down; else it may slide all along
+  const auto take = [&](std::size_t i, std::span<const float> stresses, double) {
+    const auto normals = stresses.first(shape_of(profile, i).tactels);
+    const bool touching = std::ranges::any_of(normals, [&](float s) { return std::abs(s) >= touches[i]; });
+    const bool rests = scores[i].next(stresses, touching).rest;
+    begins[i] = begins[i] || !touching;
+    const infer::PadMoments& moments = scores[i].moments();
+    if (!(moments.force(stresses) >= infer::earnest * touches[i])) return;
+    frictions[i].push_back(moments.friction(stresses));
+    if (rests && begins[i] && at_rest[i].size() < rest_frames) at_rest[i].push_back(frictions[i].back());
+  };
+  const double rate = for_frames(source, profile, take, [&](double hz) {
+    for (infer::GripScore& score : scores) score.rate(hz);
   });
   std::vector<double> slides;
-  for (std::vector<double>& of_pad : frictions) {
-    std::ranges::sort(of_pad);
-    if (static_cast<double>(of_pad.size()) < least_slide * rate)
-      throw hw::SourceError(
-          fmt::format("{}: no grip of {:g} s in it; record an object that slides", name, least_slide));
-    const double most = quantile(of_pad, upper);
-    const auto first = std::ranges::lower_bound(of_pad, near_upper * most);
-    const auto count = static_cast<double>(of_pad.end() - first);
-    if (count < least_slide * rate)
-      throw hw::SourceError(
-          fmt::format("{}: nothing slides for {:g} s in it; record an object that slides", name, least_slide));
-    slides.push_back(*(first + (of_pad.end() - first) / 2));
-  }
+  for (std::size_t i = 0; i < frictions.size(); ++i) slides.push_back(slide_of(frictions[i], at_rest[i], rate, name));
   return slides;
 }
 

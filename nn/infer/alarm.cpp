@@ -19,6 +19,7 @@ constexpr std::size_t most_axes = 3;  // of a tactel
 constexpr double most_friction = 1e3, most_rate = 1e6;
 constexpr float full_index = 0.75f;  // of a slide: from here on `left` counts in full
 constexpr float least_share = 0.1f, most_share = 2;
+constexpr float largest_share = 0.35f;  // of the scores of several pads
 
 [[noreturn]] void refuse(const char* place, double value, const char* fix) {
   throw InputError(place, std::to_string(value), fix);
@@ -93,10 +94,23 @@ AlarmOptions checked(std::size_t tactels, std::size_t axes, AlarmOptions options
 void take_index(AlarmAnswer& given) noexcept {
   if (std::isnan(given.index)) return;
   const float share = given.index / full_index, clipped = std::clamp(share, least_share, most_share);
-  given.left = given.rest == true ? given.left * clipped * clipped : share;
+  given.left = std::isnan(given.left) ? share : given.left * clipped * clipped;
 }
 
 }  // namespace
+
+void join(std::span<AlarmAnswer> pads) noexcept {
+  const float none = std::nanf("");
+  float most = none, least = none, of_hold = none, index = none;
+  for (const AlarmAnswer& pad : pads) {
+    most = std::fmax(most, pad.score), least = std::fmin(least, pad.score);
+    of_hold = std::fmax(of_hold, pad.of_hold), index = std::fmin(index, pad.index);
+  }
+  for (AlarmAnswer& pad : pads) {
+    pad.score = largest_share * most + (1 - largest_share) * least, pad.of_hold = of_hold, pad.index = index;
+    pad.left = std::fmax(pad.score, of_hold);
+  }
+}
 
 const char* name(CannotTell why) noexcept {
   constexpr const char* names[] = {"",        "not a number", "frozen",        "wrong sign",
@@ -123,7 +137,7 @@ struct Alarm::State {
   /// Whether the alarm judges changes since the rest.
   bool by_changes() const noexcept { return !by_slip() || needs_rest; }
   bool seeks_rest(const AlarmAnswer& given) const noexcept {
-    if (by_left()) return given.rest == false && std::isnan(given.index);
+    if (by_left()) return std::isnan(given.left);
     return by_changes() && given.rest == false && given.answer.status != AnswerStatus::not_finite;
   }
   bool nothing(const AlarmAnswer& given) const noexcept {
@@ -197,7 +211,8 @@ AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated)
   if (state_->score && whole) {
     const infer::GripReading said = state_->score->next(frame, *given.contact);
     given.rest = said.rest, given.released = said.released, given.moved = said.moved;
-    given.calm = said.calm, given.left = said.left, given.index = said.index;
+    given.calm = said.calm, given.score = said.score, given.of_hold = said.of_hold, given.index = said.index;
+    given.left = std::fmax(said.score, said.of_hold);
   }
   given.acted_on = state_->number_of(given);
   return given;

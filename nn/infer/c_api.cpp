@@ -78,7 +78,9 @@ tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) n
       throw tactel::InputError("signal", std::to_string(given.signal),
                                "must be TACTEL_SLIP, TACTEL_MOVED or TACTEL_LEFT");
     rules.signal = static_cast<tactel::AlarmSignal>(given.signal);
-    rules.rate = given.rate, rules.columns = given.columns, rules.aspect = given.aspect, rules.slide = given.slide;
+    if (given.rate != 0) rules.rate = given.rate;
+    if (given.aspect != 0) rules.aspect = given.aspect;
+    rules.columns = given.columns, rules.slide = given.slide;
     std::ranges::copy(given.covariance, rules.held.covariance.begin());
     rules.held.at = given.held_at;
     return make(rules);

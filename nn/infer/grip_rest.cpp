@@ -8,11 +8,11 @@
 namespace tactel::infer {
 namespace {
 
-constexpr double window = 1.0 / 3, finest = 60;                         // s; Hz, of bins
-constexpr std::size_t fewest_bins = 10;                                 // fewer show one swing of a tremor
-constexpr double calmer = 3, always_still = 0.006, never_still = 0.05;  // of the least e; of P
-constexpr double opening = 0.6, opened = 0.1, closed = 2;               // of P a window ago; at rest; the least since
-constexpr double tremor_time = 0.55;                                    // s
+constexpr double window = 1.0 / 3, finest = 60;                        // s; Hz, of bins
+constexpr std::size_t fewest_bins = 10;                                // fewer show one swing of a tremor
+constexpr double calmer = 3, always_still = 0.024, never_still = 0.2;  // of the least e
+constexpr double opening = 0.5, opened = 0.1, closed = 2;              // of P a window ago; at rest; the least since
+constexpr double tremor_time = 0.55;                                   // s
 constexpr int released_frames = 3;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
@@ -34,7 +34,7 @@ void GripRest::rate(double hz) noexcept {
 
 void GripRest::forget() noexcept {
   bins_ = 0, frames_ = 0, apart_ = 0, found_ = opens_ = open_ = false;
-  calm_ = none, least_ = never_still;
+  least_ = never_still, tremor_ = none;
 }
 
 void GripRest::next(std::span<const float> frame, bool touches) noexcept {
@@ -83,11 +83,11 @@ void GripRest::look() noexcept {
   for (std::size_t b = 0; b < wanted_; ++b)
     for (std::size_t k = 0; k < inputs_; ++k) square += (newest(b)[k] - sum_[k]) * (newest(b)[k] - sum_[k]);
   if (!(force > 0)) return;
-  calm_ = std::sqrt(square / static_cast<double>(wanted_)) / force;
-  least_ = std::min(least_, calm_);
-  if (calm_ > std::clamp(calmer * least_, always_still, never_still)) return;
+  const double e = std::sqrt(static_cast<double>(normals_) * square / static_cast<double>(wanted_)) / force;
+  least_ = std::min(least_, e);
+  if (e > std::clamp(calmer * least_, always_still, never_still)) return;
   const double share = 1 - std::exp(-stride_ / (tremor_time * rate_));
-  tremor_ = found_ ? tremor_ + share * (calm_ - tremor_) : calm_;
+  tremor_ = found_ ? tremor_ + share * (e - tremor_) : e;
   found_ = true, force_ = force;
   std::ranges::copy(sum_, rest_.begin());
 }

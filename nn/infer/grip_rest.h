@@ -9,12 +9,12 @@ namespace tactel::infer {
 
 /// The rest of a grip that follows the hand: the mean of the last third of a second in which nothing moved.
 ///
-/// e is the rms distance of the frames of that time from their mean, over P of the mean, the sum of the normal
-/// stresses. The hand is still where e is at most three times the least e since touch-down, or 0.6 % of P where that is
-/// less, but never above 5 %: a robot's pads show 0.1 %, a hand's 0.4 to 1.8 %. Each such time is the new rest,
-/// whatever P does; it stays while the hand moves. The hand opens while P is below 0.6 of that a third of a second ago.
-/// The rest is forgotten after three frames without contact, and where P falls below a tenth of that at rest: what
-/// touches then is the memory of the rubber, until P has doubled again.
+/// e is the rms distance of the frames of that time from their mean, of a tactel over the mean normal stress. The hand
+/// is still where e is at most three times the least e since touch-down, or 0.024 where that is less, but never above
+/// 0.2: a robot's pads show 0.004, a hand's 0.016 to 0.07. Each such time is the new rest, whatever P, the sum of the
+/// normal stresses, does; it stays while the hand moves. The hand opens while P is below half of that a third of a
+/// second ago. The rest is forgotten after three frames without contact, and where P falls below a tenth of that at
+/// rest: what touches then is the memory of the rubber, until P has doubled again.
 class GripRest {
  public:
   /// inputs: numbers of a frame, of which the first `normals` are normal stresses, compression below 0. hz: of frames;
@@ -30,8 +30,8 @@ class GripRest {
   bool found() const noexcept { return found_; }
   bool released() const noexcept { return opens_ || open_; }      ///< the hand opens, or has opened
   std::span<const float> mean() const noexcept { return rest_; }  ///< [inputs] MPa, of the rest
-  double calm() const noexcept { return calm_; }                  ///< e of the newest frames; NaN: too few
-  double tremor() const noexcept { return tremor_; }              ///< e at rest, its running mean
+
+  double tremor() const noexcept { return tremor_; }  ///< e at rest, its running mean
 
  private:
   void close_bin(double force) noexcept;
@@ -49,8 +49,8 @@ class GripRest {
   std::size_t bins_ = 0;                    ///< since touch-down
   int frames_ = 0, apart_ = 0;              ///< of the bin at hand; without contact in a row
   double force_ = 0;                        ///< MPa, P at rest
-  double calm_ = 0, least_ = 0, tremor_ = 0;
-  double floor_ = 0;  ///< MPa, the least P since the hand has opened
+  double least_ = 0, tremor_ = 0;           ///< of e
+  double floor_ = 0;                        ///< MPa, the least P since the hand has opened
   bool found_ = false, opens_ = false, open_ = false;
 };
 

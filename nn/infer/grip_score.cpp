@@ -10,9 +10,10 @@
 namespace tactel::infer {
 namespace {
 
-constexpr double least_shape = 0.037, tremors = 5;  // of Change::shape
-constexpr double slide_time = 0.25;                 // s
-constexpr std::size_t most_slide_frames = 256;
+constexpr double least_change = 0.062, tremors = 3.9;                // of patterns of pressure and shear
+constexpr double least_pressure = 0.0713, pressure_tremors = 4.485;  // of pressure alone
+constexpr double slide_time = 1.0 / 3;                               // s
+constexpr std::size_t most_slide_frames = 512;
 
 float median(float a, float b, float c) noexcept { return std::max(std::min(a, b), std::min(std::max(a, b), c)); }
 
@@ -45,6 +46,8 @@ GripScore::GripScore(const PadShape& shape, const AlarmOptions& options, double 
       at_(options.held.at),
       touch_(touch),
       slide_(options.slide),
+      root_tactels_(std::sqrt(static_cast<double>(shape.tactels))),
+      sheared_(shape.axes > 1),
       frictions_(most_slide_frames) {
   rate(options.rate);
   const std::size_t n = moments_.count();
@@ -72,28 +75,32 @@ void GripScore::take_median(std::span<const float> frame, bool touches) noexcept
   }
 }
 
+/// Of the newest change.
+double GripScore::score() const noexcept {
+  const double tremor = rest_.tremor();
+  if (!sheared_) return change_.pressure / std::max(least_pressure, pressure_tremors * tremor);
+  return std::sqrt(change_.pressure * change_.shear) / std::max(least_change, tremors * tremor);
+}
+
 GripReading GripScore::next(std::span<const float> frame, bool touches) noexcept {
   constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
   take_median(frame, touches);
   rest_.next(whole_, touches);
-  GripReading said{rest_.found(), rest_.released(), nothing, nothing, nothing, nothing};
+  GripReading said{rest_.found(), rest_.released(), nothing, nothing, nothing, nothing, nothing};
   const bool held = touches && (said.rest || !said.released);
   const bool earnestly = held && moments_.force(median_) >= earnest * touch_;
   touched_ = earnestly ? touched_ + 1 : 0;
-  if (!held) return said;
-  said.calm = static_cast<float>(rest_.calm());
   if (earnestly) {
     const double friction = moments_.friction(median_);
     frictions_[touched_ % most_slide_frames] = static_cast<float>(friction);
     if (slide_ > 0) said.index = static_cast<float>(friction / slide_);
   }
-  if (!said.rest) return said;
+  if (!held || !said.rest) return said;
   change_ = moments_.change(median_, rest_.mean());
-  said.moved = static_cast<float>(change_.moved);
-  const double score = change_.shape / std::max(least_shape, tremors * rest_.tremor());
+  said.calm = static_cast<float>(rest_.tremor() / root_tactels_), said.moved = static_cast<float>(change_.moved);
+  said.score = static_cast<float>(score());
   const std::span<const double> moments(change_.moments);
-  const double of_hold = at_ > 0 ? norm(inverse_, moments.first(moments_.count())) / at_ : 0;
-  said.left = static_cast<float>(std::max(score, of_hold));
+  said.of_hold = at_ > 0 ? static_cast<float>(norm(inverse_, moments.first(moments_.count())) / at_) : 0;
   return said;
 }
 

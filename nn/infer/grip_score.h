@@ -14,15 +14,15 @@ namespace tactel::infer {
 /// What the stresses of a grip say since its rest.
 struct GripReading {
   bool rest = false, released = false;
-  float calm = 0, moved = 0, left = 0, index = 0;  ///< as of AlarmAnswer, NaN where there is none; left without `index`
+  float calm = 0, moved = 0, score = 0, of_hold = 0, index = 0;  ///< as of AlarmAnswer, NaN where there is none
 };
 
 /// How far a pad's stresses have left the rest of its grip, as a number that squeezing and easing leave at 0.
 ///
-/// Each number of a frame is the median of three. The score is the shape of the change
-/// (Change::shape) over 0.037, or five times the hand's tremor at rest: a slip changes pressure and shear, a load
-/// mostly one of both. With a hold that was recorded it is at least D / at, D = sqrt(d' C^-1 d) of the moments d
-/// (PadMoments) and their covariance C in holds.
+/// Each number of a frame is the median of three. The score is sqrt(|u| |v|), the changes of the patterns of pressure
+/// and shear (Change), over 0.062 or 3.9 times the hand's tremor at rest: a slip changes both, a load mostly one. Of
+/// normal stresses alone it is |u| over 0.0713 or 4.485 tremors. A recorded hold adds D / at, D = sqrt(d' C^-1 d) of
+/// the moments d (PadMoments) and their covariance C in holds.
 class GripScore {
  public:
   /// touch: MPa, of a normal stress.
@@ -30,7 +30,7 @@ class GripScore {
   /// Takes the next frame [inputs] MPa. Allocates nothing.
   GripReading next(std::span<const float> frame, bool touches) noexcept;
   void rate(double hz) noexcept;
-  /// Remembers how the newest quarter of a second slides: the median of Q / P with its torque. Returns it; NaN where
+  /// Remembers how the newest third of a second slides: the median of Q / P with its torque. Returns it; NaN where
   /// nothing touches.
   float slides() noexcept;
   void forget() noexcept { rest_.forget(); }
@@ -40,19 +40,22 @@ class GripScore {
   const Change& newest() const noexcept { return change_; }  ///< of the newest frame with a rest
 
  private:
+  double score() const noexcept;
   void take_median(std::span<const float> frame, bool touches) noexcept;
 
   PadMoments moments_;
   GripRest rest_;
-  std::vector<float> frames_;             ///< [3][inputs] MPa, the newest by turns
-  std::vector<float> median_, whole_;     ///< [inputs] MPa; whole: NaN replaced by the last number
-  std::size_t taken_ = 0;                 ///< frames of this contact, without repetitions
-  bool repeated_ = false;                 ///< the newest frame was a repetition
-  std::vector<double> inverse_;           ///< [moments][moments] lower triangle of the inverse of C's Cholesky factor
-  double at_, touch_;                     ///< of D, 0 without a hold; MPa
-  double slide_;                          ///< friction of a slide; 0: none is known
+  std::vector<float> frames_;          ///< [3][inputs] MPa, the newest by turns
+  std::vector<float> median_, whole_;  ///< [inputs] MPa; whole: NaN replaced by the last number
+  std::size_t taken_ = 0;              ///< frames of this contact, without repetitions
+  bool repeated_ = false;              ///< the newest frame was a repetition
+  std::vector<double> inverse_;        ///< [moments][moments] lower triangle of the inverse of C's Cholesky factor
+  double at_, touch_;                  ///< of D, 0 without a hold; MPa
+  double slide_;                       ///< friction of a slide; 0: none is known
+  double root_tactels_;
+  bool sheared_;
   std::vector<float> frictions_;          ///< of the newest frames that touch, by turns
-  std::size_t wanted_ = 0, touched_ = 0;  ///< frames of a quarter of a second; that touched in a row
+  std::size_t wanted_ = 0, touched_ = 0;  ///< frames of a third of a second; that touched in a row
   Change change_;
 };
 

@@ -54,14 +54,21 @@ Change PadMoments::change(std::span<const float> frame, std::span<const float> r
   Change change;
   for (std::size_t m = 0; m < count_; ++m)
     change.moments[m] = (now.moments[which_[m]] - ratio * then.moments[which_[m]]) / most;
-  double normal = 0, all = 0, moved = 0;
-  for (std::size_t k = 0; k < frame.size(); ++k) {
-    if (!std::isfinite(frame[k])) continue;
-    const double e = frame[k] / now.force - rest[k] / then.force, way = double{frame[k]} - rest[k];
-    all += e * e, moved += way * way;
-    if (k < tactels_) normal += e * e;
-  }
-  change.shape = std::sqrt(std::sqrt(normal) * std::sqrt(all));
+  double moved = 0;
+  const auto pattern = [&](std::size_t axis, bool less_mean) {
+    double sum = 0, square = 0, count = 0;
+    for (std::size_t k = axis * tactels_; k < (axis + 1) * tactels_; ++k) {
+      if (!std::isfinite(frame[k])) continue;
+      const double e = frame[k] / now.force - rest[k] / then.force, way = double{frame[k]} - rest[k];
+      sum += e, square += e * e, moved += way * way, ++count;
+    }
+    return less_mean && count > 0 ? std::max(square - sum * sum / count, 0.0) : square;
+  };
+  const auto T = static_cast<double>(tactels_);
+  change.pressure = std::sqrt(T * pattern(0, false));
+  double shear = 0;
+  for (std::size_t axis = 1; axis < axes_; ++axis) shear += pattern(axis, true);
+  change.shear = std::sqrt(T * shear);
   change.moved = std::sqrt(moved) / then.force;
   return change;
 }

@@ -20,8 +20,10 @@ struct PadShape {
 /// How a frame differs from the rest, whatever its force.
 struct Change {
   Moments moments{};  ///< d = (m - P / P0 m0) / max(P, P0)
-  double shape = 0;   ///< sqrt(|e_z| |e|), e = f / P - r / P0, e_z its normal stresses
-  double moved = 0;   ///< |f - r| / P0
+  /// sqrt(T) |u|, u = z / P - z0 / P0 of the T tactels, and sqrt(T) |v|, v = tau / P - tau0 / P0 less its mean over
+  /// them: how the patterns of pressure and of shear change. A load moves the mean.
+  double pressure = 0, shear = 0;
+  double moved = 0;  ///< |f - r| / P0
 };
 
 /// Moments of a pad's stresses, but for P: of a shear axis its sum Q and its products with x and y, of the normal

@@ -96,6 +96,34 @@ TEST(InferHost, HasANetworkOfUskinPads) {
   EXPECT_EQ(tactel_inputs(in_c.get()), 96u);
 }
 
+// Without options an alarm without a network is one of left; with the default ones there is nothing to judge by.
+TEST(InferHost, AnAlarmOfLeftInC) {
+  const std::unique_ptr<tactel_alarm, void (*)(tactel_alarm*)> alarm(tactel_alarm_create_moved(4, 1, nullptr),
+                                                                     tactel_alarm_free);
+  ASSERT_NE(alarm, nullptr) << tactel_error();
+  AlarmOptions options;
+  options.signal = AlarmSignal::left;
+  Alarm same(4, 1, options);
+  tactel_alarm_rate(alarm.get(), 30), same.rate(30);
+  tactel_alarm_answer said{};
+  for (int i = 0; i < 40; ++i) {  // pressure moves to one side by a tenth at 30
+    const float turned = (i < 30 ? 0 : 0.1f) + 1e-4f * static_cast<float>(i % 3);
+    const std::array<float, 4> frame{-0.1f + turned, -0.1f - turned, -0.1f + turned, -0.1f - turned};
+    said = tactel_alarm_next(alarm.get(), frame.data(), frame.size());
+    const AlarmAnswer expected = same.next(frame);
+    EXPECT_EQ(said.on, i > 30) << i << ": the median of three";
+    EXPECT_EQ(said.rest, i >= 9) << i;
+    EXPECT_EQ(said.why, i < 9 ? TACTEL_NO_REST : TACTEL_CAN_TELL) << i;
+    EXPECT_EQ(std::bit_cast<unsigned>(said.left), std::bit_cast<unsigned>(expected.left)) << i;
+    EXPECT_EQ(std::bit_cast<unsigned>(said.calm), std::bit_cast<unsigned>(expected.calm)) << i;
+  }
+  EXPECT_EQ(tactel_alarm_slides(alarm.get()), 0) << "normal stresses alone have no friction";
+  EXPECT_STREQ(tactel_cannot_tell_name(TACTEL_FROZEN), "frozen");
+  const tactel_alarm_options defaults = tactel_alarm_defaults();
+  EXPECT_EQ(tactel_alarm_create_moved(4, 3, &defaults), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("signal: slip"));
+}
+
 TEST(InferHost, GivesItsBitsInAnyRoundingMode) {
   for (const Case& one : cases())
     for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {

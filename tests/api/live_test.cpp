@@ -165,6 +165,29 @@ TEST_F(LiveApi, PollsWithoutAllocation) {
   EXPECT_GT(allocations, 0);
 }
 
+// Of three signals, with touch-down, rest, dead channels, a slide and a release.
+TEST(AlarmApi, NextAllocatesNothing) {
+  for (const AlarmSignal signal : {AlarmSignal::left, AlarmSignal::moved}) {
+    AlarmOptions options{.at = 0.1f, .touch = 0.002};
+    options.signal = signal, options.slide = 0.5f, options.held.at = 3;
+    for (std::size_t i = 0; i < 8; ++i) options.held.covariance[i * (i + 3) / 2] = 1e-4f;
+    Alarm alarm(16, 3, options);
+    std::vector<float> frame(48);
+    const long before = allocations;
+    for (int i = 0; i < 4000; ++i) {
+      const bool holds = i % 1000 < 900;
+      for (std::size_t k = 0; k < 48; ++k)
+        frame[k] =
+            holds ? (k < 16 ? -0.05f : 0.01f) + 1e-4f * static_cast<float>((i * 7 + static_cast<int>(k) * 13) % 11) : 0;
+      if (i % 100 == 50) frame[7] = NAN;
+      if (i == 500) alarm.rate(1000);
+      if (i % 1000 == 700) alarm.slides();
+      alarm.next(frame);
+    }
+    EXPECT_EQ(allocations, before);
+  }
+}
+
 // A simulated sensor by the clock, through the descriptor alone.
 TEST(SimulatedSource, PlaysASceneThroughItsDescriptor) {
   const std::string scene = TACTEL_SOURCE_DIR "/examples/parabola.toml";

@@ -42,6 +42,9 @@ class Node:
     def create_subscription(self, _, topic, take, __):
         self.listens[topic] = take
 
+    def create_timer(self, seconds, call):
+        self.timer = seconds, call
+
 
 class Ros(unittest.TestCase):
     def test_frames_become_alarms(self):
@@ -66,11 +69,19 @@ class Ros(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             profile = pathlib.Path(folder) / "pad.toml"
             profile.write_text(PROFILE)
-            words = ["slip_node.py", "--profile", str(profile), "--profile", str(profile), "--rest", "--alarm", "0.06", "--late", "100"]
+            words = ["slip_node.py", "--profile", str(profile), "--profile", str(profile), "--signal", "moved", "--alarm", "0.06", "--late", "100"]
             with mock.patch("sys.argv", words), mock.patch.dict(os.environ):
                 self.assertEqual(module.main(), 0)
         slip, alarm = node.published["slip"], node.published["slip_alarm"]
         self.assertEqual((len(slip), alarm), (120, [False] * 100 + [True] * 20))
+        cannot_tell = node.published["slip_cannot_tell"]
+        self.assertEqual((cannot_tell[0], cannot_tell[50:]), (True, [False] * 70), "until it rests")
+        seconds, listen = node.timer
+        listen()
+        self.assertEqual((seconds, len(cannot_tell)), (0.5, 120), "the last line is recent")
+        with mock.patch.object(module.time, "monotonic", lambda now=module.time.monotonic: now() + 0.6):
+            listen()
+        self.assertEqual(cannot_tell[120:], [True])
         self.assertAlmostEqual(slip[-1], 0.05 * 2 ** 0.5, places=4)
 
 

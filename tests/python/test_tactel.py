@@ -372,10 +372,28 @@ class OwnNetworks(unittest.TestCase):
         self.assertEqual(repr(alarm.next(frame)), "AlarmAnswer(slip_index=nan, contact=True, rest=False, moved=nan, on=False, cannot_tell=True)")
         beside = self.shear_alarm(touch=0.01, rest=True)
         self.assertEqual([beside.next(frame).rest for _ in range(10)][-1], True)
-        for options, says in (({}, "network: none"), ({"tactels": 2}, "at: 0.8"), ({"tactels": 2, "at": 0.05}, "touch: 0.0"),
+        for options, says in (({}, "network: none"), ({"tactels": 2, "signal": "moved"}, "at: 0.8"), ({"tactels": 2, "touch": 0}, "touch: 0.0"),
                               ({"tactels": 2, "at": 0.05, "touch": 0.1, "signal": "slid"}, "signal: slid")):
             with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
                 tactel.Alarm(**options)
+
+    def test_an_alarm_of_left_follows_the_hand(self):
+        hold = {"covariance": [1e-4 if i == j else 0 for i in range(8) for j in range(i + 1)], "held_at": 2}
+        alarm, held, slides = tactel.Alarm(tactels=4, rate=30), tactel.Alarm(tactels=4, rate=30, **hold), tactel.Alarm(tactels=4, rate=30, slide=0.5)
+        rng, frame = np.random.default_rng(3), np.array([-0.1] * 4 + [0] * 4 + [0.025] * 4)
+        turned = np.array([-0.02, 0.02, -0.02, 0.02, 0.01, -0.01, -0.01, 0.01, 0, 0, 0, 0])
+        for k in range(40):
+            now = frame + (k >= 30) * turned + rng.normal(0, 1e-5, 12)
+            said, by_hold, by_slide = alarm.next(now), held.next(now), slides.next(now)
+            self.assertEqual((said.rest, said.why, said.on), (k >= 9, "" if k >= 9 else "no rest", k > 30), k)  # the median of three
+            np.testing.assert_allclose(by_slide.index, 0.5, atol=0.01)
+            if k == 31:
+                # z x changes by 4 x 0.02 of P = 0.4, at sqrt(2) / 2 of the rms radius; it has 0.01 in the hold, whose at is 2
+                np.testing.assert_allclose(by_hold.left, 0.2 * 2 ** -0.5 / 0.01 / 2, rtol=0.01)
+        self.assertLess(said.calm, 0.01)
+        self.assertFalse(said.released)
+        with self.assertRaisesRegex(tactel.InputError, "covariance: 37 numbers"):
+            tactel.Alarm(tactels=4, covariance=[0] * 37)
 
     def test_devices_answer_with_the_bits_of_host_code(self):
         found = tactel.devices()

@@ -105,9 +105,9 @@ typedef struct tactel_alarm_options {
   int rest;          /* 1: answers have `rest` and `moved` */
   int signal;        /* what `at` is of, enum tactel_signal; all but TACTEL_SLIP stand for `rest`, too */
   /* of TACTEL_LEFT, whose `at` is 1 where it is -1: */
-  double rate;          /* Hz, of the frames */
+  double rate;          /* Hz, of the frames; 0: 60 */
   size_t columns;       /* tactels along x, x fastest; 0: as many as along y */
-  double aspect;        /* pitch along y over that along x */
+  double aspect;        /* pitch along y over that along x; 0: 1 */
   float covariance[36]; /* of a recorded hold: as [hold] of a calibration file has it */
   float held_at;        /* the same; 0: no hold was recorded */
   float slide;          /* Q / P with its torque of a slide, as [slide] has it; 0: none is known */

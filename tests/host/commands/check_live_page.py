@@ -122,7 +122,7 @@ def check(program, latency, pictures):
             problems.append(text)
 
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
-        monitor = Monitor(program, folder, "--rest", "--alarm", "0.1", "--touch", "0.01", "--stresses", "--late", "100")
+        monitor = Monitor(program, folder, "--signal", "moved", "--alarm", "0.1", "--touch", "0.01", "--stresses", "--late", "100")
         for _ in range(40):
             grip(monitor)
             time.sleep(0.01)

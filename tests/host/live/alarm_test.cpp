@@ -378,8 +378,8 @@ TEST(Alarm, RefusesRulesOfMovedThatMeanNothing) {
   const auto moved = AlarmSignal::moved;
   EXPECT_THAT(refused(2, 2, {.touch = 0.1, .signal = moved}), HasSubstr("at: 0.8"));
   EXPECT_THAT(refused(2, 2, {.at = 0, .touch = 0.1, .signal = moved}), HasSubstr("at: 0.0"));
-  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .signal = moved}), HasSubstr("touch: 0.0"));
-  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .touch = 0.1}), HasSubstr("signal: slip; must be moved"));
+  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .touch = 0, .signal = moved}), HasSubstr("touch: 0.0"));
+  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .touch = 0.1}), HasSubstr("signal: slip; must be left or moved"));
   EXPECT_THAT(refused(0, 2, {.at = 0.03f, .touch = 0.1, .signal = moved}), HasSubstr("tactels: 0"));
   EXPECT_THAT(refused(2, 4, {.at = 0.03f, .touch = 0.1, .signal = moved}), HasSubstr("axes: 4"));
   EXPECT_EQ(refused(2, 1, {.at = 0.03f, .touch = 0.1, .signal = moved}), "no error");

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "host/live/frame_reader.h"
@@ -212,18 +213,20 @@ TEST_F(CsvPipe, SplitsDoNotMatter) {
   }
 }
 
-// A reader that attaches within a line, a line with nan, a cut one, a word of the board, one without an end: each is
-// left out, and all others are frames.
+// A reader that attaches within a line, a cut one, a word of the board, one without an end: each is left out, and all
+// others are frames. Fields that are no numbers are NaN; a line without any number is none.
 TEST_F(CsvPipe, ABadLineCountsAndTheNextIsAFrame) {
   open_writer();
   std::thread writer([&] {
-    write("000\n1,2\nnan,4\n3,4\n5\nrebooting\n" + std::string(2000, '7'));
+    write("000\n1,2\nnan,4\n,null\n3,4\n5\nrebooting\n" + std::string(2000, '7'));
     write(std::string(2000, '7') + ",8\n5,6\n7,8,9\n");
     close_writer();
   });
   const Seen seen = read(*source_, 2);
   writer.join();
-  EXPECT_EQ(seen.values, (Values{{1, 2}, {3, 4}, {5, 6}}));
+  ASSERT_EQ(seen.values.size(), 4u);
+  EXPECT_TRUE(std::isnan(seen.values[1][0]) && seen.values[1][1] == 4);
+  EXPECT_EQ((Values{seen.values[0], seen.values[2], seen.values[3]}), (Values{{1, 2}, {3, 4}, {5, 6}}));
   EXPECT_EQ(source_->counts().bad, 6u);
   EXPECT_THAT(source_->first_bad(), HasSubstr("pipe:1: fields = 1: must be 2"));
 }

@@ -211,15 +211,19 @@ struct AlarmAnswer {
   float moved = std::numeric_limits<float>::quiet_NaN();
   CannotTell why = CannotTell::none;
   /// Of AlarmSignal::left. How far the stresses have left their rest, 1: the alarm; squeezing and easing leave it at 0.
-  /// NaN without contact or rest. Before judge() it is without `index`.
-  float left = std::numeric_limits<float>::quiet_NaN();
-  /// How the newest third of a second trembles: the rms distance of its frames from their mean, over P.
+  /// NaN without contact or rest. It is the larger of `score`, of the patterns of pressure and shear, and `of_hold`, of
+  /// the moments by a recorded hold; judge() takes `index` into it.
+  float left = std::numeric_limits<float>::quiet_NaN(), score = left, of_hold = left;
+  /// How the hand trembles at rest: the rms distance of frames from their mean, over P.
   float calm = std::numeric_limits<float>::quiet_NaN();
-  /// Q / P with its torque, over that of a slide: 1 slides. NaN without contact, or where none is known. judge() takes
-  /// it into `left`: of several pads of an object give all the smallest.
+  /// Q / P with its torque, over that of a slide: 1 slides. NaN without contact, or where none is known.
   float index = std::numeric_limits<float>::quiet_NaN();
   bool released = false;  ///< the hand has opened
 };
+
+/// Gives the answers of the pads that hold one object, before judge(), what they say together: of `score` 0.35 of the
+/// largest and 0.65 of the smallest, as an object leaves all pads, the largest `of_hold` and the smallest `index`.
+TACTEL_API void join(std::span<AlarmAnswer> pads) noexcept;
 
 /// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer leaves the
 /// alarm as it is. Each of several sensors has its Alarm: there is one where one of them is on. An object is for one
