@@ -16,7 +16,7 @@ def main():
     for line in sys.stdin:
         answer = json.loads(line)
         rerun.set_time("sensor", duration=answer["arrival"])
-        for key in ("slip_index", "slip_upper", "slid", "moved", "true_slip_index", "alarm"):
+        for key in ("slip_index", "slip_upper", "slid", "moved", "left", "true_slip_index", "alarm"):
             if answer.get(key) is not None:
                 rerun.log(key, rerun.Scalars(float(answer[key])))
         for name, values in zip(("normal", "shear_x", "shear_y"), answer["stresses"]):

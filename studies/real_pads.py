@@ -252,7 +252,7 @@ class Chain:
 
     def moved(self, load, calibration, *network):
         """`moved`, or `slid` of a network, [frames, pads], 0 where no rest is known, and whether the alarm is on, [frames]."""
-        said = self.monitor(self.write("frames", load), calibration, *(network or ["--rest"]), "--alarm")
+        said = self.monitor(self.write("frames", load), calibration, *(network or ["--signal", "moved"]), "--alarm")
         return np.array([[pad["slid" if network else "moved"] or 0 for pad in line["pads"]] for line in said]), [line["alarm"] for line in said]
 
 

@@ -17,6 +17,8 @@ namespace tactel::host {
 namespace {
 
 constexpr double least_seconds = 1, enough_seconds = 3, prior_seconds = 1.5;
+constexpr double window = 1.0 / 3;     // s, before the first rest
+constexpr double left_out = 0.01;      // of the frames of a hold of 4 s and more
 constexpr double mixed = 0.9;          // of the off-diagonal numbers of H
 constexpr double least_square = 1e-7;  // of a moment: noise of a calm pad is 0.1 % of P
 constexpr double hold_margin = 2.2, hold_margin_seconds = 2;
@@ -125,19 +127,20 @@ std::vector<double> HoldLearner::covariance() const {
   return all;
 }
 
+/// The largest D; of long holds but for one frame of a hundred, as when an object is lifted.
 double HoldLearner::largest(const std::vector<double>& covariance) const {
   const std::vector<double> white =
       infer::whitening(std::vector<float>(covariance.begin(), covariance.end()), moments_);
-  double most = 0;
+  std::vector<double> distances;
   for (std::size_t f = 0; f < changes_.size(); f += moments_)
-    most = std::max(most, infer::norm(white, std::span<const float>(changes_).subspan(f, moments_)));
-  return most;
+    distances.push_back(infer::norm(white, std::span<const float>(changes_).subspan(f, moments_)));
+  return quantile(distances, 1 - left_out * std::clamp(seconds_ - enough_seconds, 0.0, 1.0));
 }
 
 HoldReport HoldLearner::learn() const {
   HoldReport report;
   hw::RecordedHold& hold = report.hold;
-  if (seconds_ < least_seconds)
+  if (seconds_ + window < least_seconds)
     throw hw::SourceError(
         fmt::format("--hold: {:.2g} s of a grip at rest; record a grip that holds still for {:g} s or "
                     "more",

@@ -18,7 +18,8 @@ struct HoldReport {
 /// Learns how a hand trembles that holds, from the frames of all pads and recordings whose rest is known.
 ///
 /// C = (N H + n G) / (N + n), of the N frames' mean H of d d' (its off-diagonal numbers by 0.9), and n frames, 1.5 s,
-/// of other holders, G of the profile. at = (2.2 + 2 s / S) times the largest D of a hold of S s.
+/// of other holders, G of the profile. at = (2.2 + 2 s / S) times the largest D of a hold of S s
+/// (of 4 s and more its 0.99 quantile).
 class HoldLearner {
  public:
   /// profile: with the zero that was tared; it must outlive this.

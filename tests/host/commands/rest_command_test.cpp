@@ -129,8 +129,8 @@ TEST_F(RestCommand, WhatIsNoHoldIsRefused) {
   for (int i = 0; i < 100; ++i) never.add(0, 0);
   EXPECT_TRUE(is_refused(tare(never), {"no grip at rest in it", "holds still"}, 3));
   for (int i = 0; i < 20; ++i) brief.add(0, 0);
-  for (int i = 0; i < 60; ++i) brief.add(300, 600);
-  EXPECT_TRUE(is_refused(tare(brief), {"0.6", "1 s or more"}, 3)) << "20 frames of a window, 41 with a rest at 60 Hz";
+  for (int i = 0; i < 50; ++i) brief.add(300, 600);
+  EXPECT_TRUE(is_refused(tare(brief), {"0.5", "1 s or more"}, 3)) << "20 frames of a window, 31 with a rest at 60 Hz";
   EXPECT_TRUE(
       is_refused(run("tare", rest_frames(), {"--output", calibration_, "--hold", "csv:none.csv"}), {"none.csv"}));
   EXPECT_FALSE(std::filesystem::exists(calibration_));
