@@ -236,7 +236,8 @@ AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
     if (given.acted_on < state_->end()) state_->on = false;
   }
   given.on = state_->on;
-  if (nothing && given.why != CannotTell::not_a_number) given.why = CannotTell::none;
+  const bool touches = given.contact == true && !nothing;
+  if (!touches && given.why != CannotTell::not_a_number) given.why = CannotTell::none;
   if (given.why == CannotTell::none)
     given.why = unlike                                  ? CannotTell::unlike
                 : wide && !given.on                     ? CannotTell::wide

@@ -202,12 +202,13 @@ AlarmSignal signal_of(const MonitorRequest& request, std::span<const nn::Model> 
 }
 
 /// Says what the alarm of left goes by, and what it does not see.
-void say_left(const MonitorRequest& request, const hw::Calibration& calibration) {
+void say_left(const MonitorRequest& request, const hw::ChannelMap& map) {
   if (request.quiet || !request.alarm || request.options.signal != AlarmSignal::left) return;
   say("note: \"left\" is 1 at the alarm; what slips more slowly than by 10 % of the normal force a second is not seen");
-  if (calibration.hold.at == 0)
+  if (map.calibration.hold.at == 0)
     say("note: no hold was recorded: slips that change little are missed, as of hard or slippery objects (tactel tare "
         "--hold)");
+  if (map.shear.empty()) say("note: without shear the alarm goes by the pattern of pressure alone, and hears less");
   if (!request.alarm_given.front().empty() && *request.alarm < infer::most_moved && request.signal.empty())
     say(fmt::format("note: --alarm {} is of left; --signal moved goes by \"moved\"", request.alarm_given.front()));
 }
@@ -262,7 +263,7 @@ int run_monitor(MonitorRequest request) {
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
   const char* const name = networks.empty() ? nullptr : nn::name(target);
-  say_left(request, opened.profile.map.calibration);
+  say_left(request, opened.profile.map);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(request.seconds);
   std::vector<std::string> later;

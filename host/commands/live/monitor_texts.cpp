@@ -42,8 +42,9 @@ std::string further_text(const MonitorRequest& request, const MonitorLine& line,
     text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ", answer_text(target, pad, line),
                         &pad == &line.pads.back() ? "]" : "");
   if (request.alarm) text += fmt::format(", \"alarm\": {}", line.alarm);
-  if (request.alarm || line.has_bound) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
-  if (line.cannot_tell) text += fmt::format(", \"why\": \"{}\"", name(line.why));
+  if (request.alarm || line.has_bound)
+    text += fmt::format(", \"cannot_tell\": {}{}", line.cannot_tell,
+                        line.cannot_tell ? fmt::format(", \"why\": \"{}\"", name(line.why)) : "");
   for (const Drift& drift : line.drift)
     text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": {}}}{}",
                         &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),

@@ -145,8 +145,8 @@ std::string add_hold(const TareRequest& request, const SensorProfile& profile, h
   const HoldReport report = learner.learn();
   calibration.hold = report.hold;
   for (const std::string& warning : report.warnings) print_warning(warning);
-  return fmt::format("hold of {:.1f} s: the alarm of left begins at {:.3g} times its largest change, {:.3g}",
-                     report.hold.seconds, report.hold.margin, report.largest);
+  return fmt::format("hold of {:.1f} s: the alarm of left begins at {:.3g}, {:.3g} times its largest change, {:.3g}",
+                     report.hold.seconds, report.hold.at, report.hold.margin, report.largest);
 }
 
 std::string add_slide(const TareRequest& request, const SensorProfile& profile, hw::Calibration& calibration) {

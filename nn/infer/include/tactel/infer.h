@@ -218,7 +218,7 @@ struct AlarmAnswer {
   float calm = std::numeric_limits<float>::quiet_NaN();
   /// Q / P with its torque, over that of a slide: 1 slides. NaN without contact, or where none is known.
   float index = std::numeric_limits<float>::quiet_NaN();
-  bool released = false;  ///< the hand has opened
+  bool released = false;  ///< the hand opens, or has opened: no alarm begins
 };
 
 /// Gives the answers of the pads that hold one object, before judge(), what they say together: of `score` 0.35 of the
@@ -257,8 +257,8 @@ class TACTEL_API Alarm {
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
   /// As SlipHistory::friction. Throws InputError for numbers out of range and a network that does not take friction.
   void friction(double mu, double spread);
-  /// As SlipHistory::slides, of the newest frame that next() took. Of AlarmSignal::left: remembers Q / P of that frame
-  /// with its torque for `index`, of several calls the geometric mean, and returns it.
+  /// As SlipHistory::slides, of the newest frame that next() took. Of AlarmSignal::left: remembers Q / P with
+  /// its torque for `index`, the median of the last third of a second that touches, and returns it.
   float slides() noexcept;
   /// Says that frames come at another rate, Hz, than that of the options. Ignores what is no number above 0.
   void rate(double hz) noexcept;
