@@ -93,8 +93,9 @@ def of_springs():
         (time, held, _), (_, slid, load) = (laboratory.springs(slides=slides, **kind) for slides in (False, True))
         zero = held[:200].mean(0)
         half = int(np.argmax(load >= 0.5))
-        yield Sensor(held[:200] - zero, [held[:1100] - zero],
-                     [Grip(str(kind), "springs", slid[:1300] - zero, time[:1300], (time[:1300] > 4.5) & (np.arange(1300) < half), (half, 1300))])
+        slid, time = slid[:1300] - zero, time[:1300]
+        quiet = (time > 4.5) & (np.arange(1300) < half)
+        yield Sensor(held[:200] - zero, [held[:1100] - zero], [Grip(str(kind), "springs", slid, time, quiet, (half, 1300))])
 
 
 def of_robots(folder):
@@ -104,8 +105,8 @@ def of_robots(folder):
     grips = []
     for trial in trials:
         rows, frames = np.moveaxis(trial.load, 1, 0), np.arange(len(trial.time))
-        quiet, moves = frames < (len(frames) if trial.moves is None else trial.first), trial.moves is not None
-        grips.append(Grip(trial.name, "moves" if moves else "holds", rows, frames / RATE, quiet, (trial.first, trial.moves + 6) if moves else None))
+        scene, hit = ("holds", None) if trial.moves is None else ("moves", (trial.first, trial.moves + 6))
+        grips.append(Grip(trial.name, scene, rows, frames / RATE, frames < (hit[0] if hit else len(frames)), hit))
     yield Sensor(np.moveaxis(empty - empty.mean(1, keepdims=True), 1, 0), [] if held is None else [np.moveaxis(held.load, 1, 0)], grips)
 
 
@@ -189,7 +190,8 @@ def of_changed(kind, sensors):
 def judge(on, quiet, hit):
     """Of an alarm [frames]: false ones, quiet frames and those with an alarm; of a slip whether it is a hit, already on, late."""
     begins, first = on & ~np.r_[False, on[:-1]], quiet & ~np.r_[False, quiet[:-1]]
-    found = dict(false=np.count_nonzero((begins & quiet & ~first) | (on & first)), quiet=np.count_nonzero(quiet), on=np.count_nonzero(on & quiet), slip=hit is not None)
+    counts = {"false": (begins & quiet & ~first) | (on & first), "quiet": quiet, "on": on & quiet}
+    found = {key: np.count_nonzero(frames) for key, frames in counts.items()} | {"slip": hit is not None}
     if hit:
         a, b = hit
         found["already"] = bool(on[max(a - 1, 0)] and on[a:a + 5].all())
@@ -208,16 +210,16 @@ def latch(score, at):
 def total(found):
     slips, holds = [f for f in found if f["slip"]], [f for f in found if not f["slip"] and f["quiet"]]
     share = lambda of, key: sum(f[key] > 0 for f in of) / len(of) if of else np.nan
-    quiet = sum(f["quiet"] for f in found)
-    return dict(slips=len(slips), hit=share(slips, "hit"), already=share(slips, "already"), late=share(slips, "late"), minutes=quiet / RATE / 60,
-                false=sum(f["false"] for f in found) / max(quiet / RATE / 60, 1e-9), on=sum(f["on"] for f in found) / max(quiet, 1), holds=len(holds),
-                alarmed=share(holds, "false"))
+    false, quiet, on = (sum(f[key] for f in found) for key in ("false", "quiet", "on"))
+    minutes = quiet / RATE / 60
+    return {key: share(slips, key) for key in ("hit", "already", "late")} | dict(
+        slips=len(slips), minutes=minutes, false=false / max(minutes, 1e-9), on=on / max(quiet, 1), holds=len(holds), alarmed=share(holds, "false"))
 
 
 def row(name, found):
     t = total(found)
-    print(study.row(name, t["slips"], *(f"{t[key]:.2f}" for key in ("hit", "already", "late")), f"{t['minutes']:.1f}", f"{t['false']:.1f}", f"{t['on']:.3f}",
-                    f"{t['alarmed']:.2f} of {t['holds']}"), flush=True)
+    cells = [f"{t[key]:.2f}" for key in ("hit", "already", "late")] + [f"{t[key]:.1f}" for key in ("minutes", "false")]
+    print(study.row(name, t["slips"], *cells, f"{t['on']:.3f}", f"{t['alarmed']:.2f} of {t['holds']}"), flush=True)
 
 
 def at_one(scores, grips):
@@ -243,8 +245,9 @@ def nulls(grip, touch):
     shear = np.linalg.norm(grip.rows[..., :2].sum(2), axis=-1) / np.where(touches, force, np.inf)
     before = np.array([force[max(k - 60, 0):max(k - 40, 1)].mean(0) for k in range(len(force))])
     held = force[grip.quiet].mean() if grip.quiet.any() else force.mean()
-    return {"P alone: its rise in a second": np.where(touches & (before > touch), force / np.maximum(before, touch) - 1, 0).max(1), "|Q| / P": shear.max(1),
-            "time since touch": np.where(touches.any(1), np.cumsum(touches.any(1)), 0), "1 / P, the same in all frames": np.full(len(force), 1 / max(held, 1e-9))}
+    rises = np.where(touches & (before > touch), force / np.maximum(before, touch) - 1, 0)
+    return {"P alone: its rise in a second": rises.max(1), "|Q| / P": shear.max(1), "time since touch": np.cumsum(touches.any(1)) * touches.any(1),
+            "1 / P, the same in all frames": np.full(len(force), 1 / max(held, 1e-9))}
 
 
 class Judge:
@@ -255,7 +258,8 @@ class Judge:
         path = self.folder / f"{name}.csv"
         time = np.arange(len(rows)) / RATE if time is None else time
         names = ["time", *(f"c{k}" for k in range(rows[0].size))]
-        np.savetxt(path, np.column_stack([time, rows.reshape(len(rows), -1)]), delimiter=",", fmt="%.8g", header=",".join(names), comments="")
+        table = np.column_stack([time, rows.reshape(len(rows), -1)])
+        np.savetxt(path, table, delimiter=",", fmt="%.8g", header=",".join(names), comments="")
         return f"csv:{path}"
 
     def tare(self, sensor, words):
@@ -263,7 +267,8 @@ class Judge:
         pads = ("--profile", "uskin-4x4") * sensor.empty.shape[1]
         seconds = f"{0.9 * len(sensor.empty) / RATE:.3f}"
         try:
-            self.run("tare", "--source", self.csv("empty", sensor.empty), *pads, "--seconds", seconds, "--output", self.folder / "pads.toml", "--force", *words)
+            self.run("tare", "--source", self.csv("empty", sensor.empty), *pads, "--seconds", seconds, "--output",
+                     self.folder / "pads.toml", "--force", *words)
         except SystemExit as error:
             if not words:
                 raise
@@ -273,38 +278,36 @@ class Judge:
 
     def lines(self, grip, calibration):
         pads = ("--profile", "uskin-4x4") * grip.rows.shape[1]
-        said = self.run("monitor", "--source", self.csv("grip", grip.rows, grip.time), *pads, "--calibration", calibration, "--drift", 0, "--rest", "--alarm", "--quiet")
+        said = self.run("monitor", "--source", self.csv("grip", grip.rows, grip.time), *pads, "--calibration", calibration, "--drift", 0,
+                        "--rest", "--alarm", "--quiet")
         lines = [json.loads(line) for line in said.splitlines() if line.startswith('{"frame"')]
         if len(lines) != len(grip.rows):
             real_pads.wrong(grip.name, f"{len(lines)} lines of {len(grip.rows)} frames", "see what tactel monitor says")
-        number = lambda key: np.array([np.nan if line.get(key) is None else line[key] for line in lines], float)
         of_pads = lambda line: [pad.get("moved") or 0 for pad in line.get("pads", [line])]
-        return np.array([line["alarm"] for line in lines]), number("left"), np.array([max(of_pads(line)) for line in lines])
+        return np.array([line["alarm"] for line in lines]), np.array([max(of_pads(line)) for line in lines])
 
-    def play(self, name, sensors, with_hold, with_nulls=True):
-        """Prints the rows of a world: the alarm without and with a recorded hold or slide, and the nulls."""
-        sensors, found = list(sensors), {}
-        for sensor in sensors:
-            for rule in ("no hold", "hold") if with_hold and sensor.holds else ("slide", "no hold") if sensor.grips[0].slide is not None else ("no hold",):
-                recorded = sensor.holds if rule == "hold" else [sensor.grips[0].slide] if rule == "slide" else []
-                words = [word for k, rows in enumerate(recorded) for word in (f"--{rule}", self.csv(f"recorded{k}", rows))]
-                calibration = self.tare(sensor, words)
-                found.setdefault(rule + ", recordings accepted", []).append(calibration is not None)
-                calibration = calibration or self.tare(sensor, [])
-                for grip in sensor.grips:
-                    on, _, moved = self.lines(grip, calibration)
-                    found.setdefault(rule, []).append(judge(on, grip.quiet, grip.hit) | {"scene": grip.scene})
-                    if rule == "no hold":
-                        found.setdefault("moved", []).append(moved)
+    def found(self, sensor, rule):
+        """Whether its recordings are accepted, and of each grip what the alarm found, and `moved` [frames]."""
+        recorded = sensor.holds if rule == "hold" else [sensor.grips[0].slide] if rule == "slide" else []
+        words = [word for k, rows in enumerate(recorded) for word in (f"--{rule}", self.csv(f"recorded{k}", rows))]
+        calibration = self.tare(sensor, words)
+        accepted, calibration = calibration is not None, calibration or self.tare(sensor, [])
+        said = [self.lines(grip, calibration) for grip in sensor.grips]
+        judged = [judge(on, grip.quiet, grip.hit) | {"scene": grip.scene} for (on, _), grip in zip(said, sensor.grips)]
+        return accepted, judged, [moved for _, moved in said]
+
+    def play(self, name, sensors, rules, with_nulls=True):
+        """Prints the rows of a world, for the alarm by each of the rules "no hold", "hold", "slide", and of the nulls."""
+        sensors = list(sensors)
         grips = list(itertools.chain(*(sensor.grips for sensor in sensors)))
-        for rule in ("slide", "hold", "no hold"):
-            accepted = found.get(rule + ", recordings accepted", [])
-            if rule in found:
-                row(f"{name}, {rule}" + (f", {sum(accepted)} of {len(accepted)} accepted" if rule != "no hold" else ""), found[rule])
-                for scene in dict.fromkeys(grip.scene for grip in grips) if self.scenes else ():
-                    row(f"... {scene}", [f for f in found[rule] if f["scene"] == scene])
+        for rule in rules:
+            accepted, judged, moved = zip(*(self.found(sensor, rule) for sensor in sensors))
+            judged = list(itertools.chain(*judged))
+            row(f"{name}, {rule}" + ("" if rule == "no hold" else f", {sum(accepted)} of {len(accepted)} accepted"), judged)
+            for scene in dict.fromkeys(grip.scene for grip in grips) if self.scenes else ():
+                row(f"... {scene}", [found for found in judged if found["scene"] == scene])
         if with_nulls:
-            row("moved, same rest", at_one(found["moved"], grips))
+            row("moved, same rest", at_one(list(itertools.chain(*moved)), grips))
             touch = 0.02 * np.median([np.quantile(grip.rows[..., 2].sum(2), 0.9) for grip in grips])
             scores = [nulls(grip, touch) for grip in grips]
             for null in scores[0]:
@@ -325,20 +328,20 @@ def main(arguments=None):
     for flag in ("springs", "changed", "scenes"):
         parser.add_argument(f"--{flag}", action="store_true")
     options = parser.parse_args(arguments)
+    worlds = {"people": of_people, "laboratory": of_laboratory, "hands": lambda seeds: of_laboratory(seeds, True), "pairs": of_pairs,
+              "springs": lambda _: of_springs(), "robots": of_robots}
+    given = vars(options) | {"laboratory": options.seeds}
+    if options.changed and not (options.robots or options.seeds):
+        parser.error("--changed: needs --robots FOLDER or --seeds A-B")
     with tempfile.TemporaryDirectory() as folder:
         judged = Judge(options.build, pathlib.Path(folder), options.scenes)
         print(study.head("world, rule", "slips", "hit", "already", "late", "quiet minutes", "false a minute", "on", "holds with a false one"))
-        worlds = {"laboratory": options.seeds and (lambda: of_laboratory(options.seeds)), "hands": options.hands and (lambda: of_laboratory(options.hands, True)),
-                  "pairs": options.pairs and (lambda: of_pairs(options.pairs)), "springs": options.springs and of_springs,
-                  "people": options.people and (lambda: of_people(options.people)), "robots": options.robots and (lambda: of_robots(options.robots))}
         for name, world in worlds.items():
-            if world:
-                judged.play(name, world(), with_hold=name != "pairs")
+            if given[name]:
+                judged.play(name, world(given[name]), ("slide" if name == "pairs" else "hold", "no hold"))
         for kind in CHANGES if options.changed else ():
-            world = worlds["robots"] or worlds["laboratory"]
-            if not world:
-                parser.error("--changed: needs --robots FOLDER or --seeds A-B")
-            judged.play(kind, of_changed(kind, world()), with_hold=bool(worlds["robots"]), with_nulls=False)
+            world = of_robots(options.robots) if options.robots else of_laboratory(options.seeds)
+            judged.play(kind, of_changed(kind, world), ("hold",) if options.robots else ("no hold",), with_nulls=False)
 
 
 if __name__ == "__main__":

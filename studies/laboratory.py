@@ -30,15 +30,17 @@ class Random(np.random.Generator):
 def draw_pads(random):
     """Rubber and transducers of two pads: [2], or [2, tactels, axes]."""
     thickness, shear = random.uniform(2.5, 5, 2), random.log(0.1, 0.5, 2)
-    gain = np.exp(random.normal(0, 0.1, (2, SIDE**2, 3)))
+    gain = np.exp(random.normal(0, 0.1, (2, SIDE**2, 3))) * random.log(15000, 40000, (2, 1, 1))
     gain[..., :2] *= random.log(0.4, 2.5, (2, 1, 1))  # nobody knows how much a count of shear is worth
-    return dict(thickness=thickness, kt=shear / thickness, kn=random.uniform(2.5, 8, 2) * shear / thickness,
-                reach=random.uniform(0.25, 0.5, 2) * thickness, spread=random.uniform(0.02, 0.12, 2), tip=random.uniform(0.15, 0.5, 2),
-                gain=gain * random.log(15000, 40000, (2, 1, 1)), mix=np.eye(3) + random.normal(0, 0.03, (2, SIDE**2, 3, 3)),
-                near=random.uniform(0, 0.05, 2), play=0.03 * random.log(0.003, 0.02, 2), noise=np.array([1.5, 1.5, 4]) * random.log(0.7, 1.5, (2, 3)),
-                creep=random.uniform([0.01, 0.01, 0], [0.04, 0.05, 0.05], (2, 3)), time=np.array([0.4, 4, 40]) * random.log(0.6, 1.6, (2, 3)),
-                tilt=random.normal(0, 0.3, 2), zero=np.array([16000, 16400, 37300]) + random.normal(0, 300, (2, SIDE**2, 3)),
-                repeats=random.uniform(0.04, 0.1), lost=random.uniform(0, 0.02) * random.integers(2), spikes=random.log(1e-4, 2e-3) * (random.random() < 0.3))
+    rubber = dict(thickness=thickness, kt=shear / thickness, kn=random.uniform(2.5, 8, 2) * shear / thickness,
+                  reach=random.uniform(0.25, 0.5, 2) * thickness, tilt=random.normal(0, 0.3, 2))
+    senses = dict(gain=gain, mix=np.eye(3) + random.normal(0, 0.03, (2, SIDE**2, 3, 3)), spread=random.uniform(0.02, 0.12, 2),
+                  tip=random.uniform(0.15, 0.5, 2), near=random.uniform(0, 0.05, 2), play=0.03 * random.log(0.003, 0.02, 2),
+                  creep=random.uniform([0.01, 0.01, 0], [0.04, 0.05, 0.05], (2, 3)), time=np.array([0.4, 4, 40]) * random.log(0.6, 1.6, (2, 3)))
+    wire = dict(zero=np.array([16000, 16400, 37300]) + random.normal(0, 300, (2, SIDE**2, 3)), repeats=random.uniform(0.04, 0.1),
+                noise=np.array([1.5, 1.5, 4]) * random.log(0.7, 1.5, (2, 3)), lost=random.uniform(0, 0.02) * random.integers(2),
+                spikes=random.log(1e-4, 2e-3) * (random.random() < 0.3))
+    return rubber | senses | wire
 
 
 @dataclasses.dataclass
@@ -79,86 +81,143 @@ def draw_face(shape, random):
     radius = {"ball": random.uniform(20, 70), "cylinder": random.uniform(10, 60), "edge": random.uniform(1.5, 4)}.get(shape, 0)
     rough = random.log(0.015, 0.08) if shape == "uneven" else random.log(0.001, 0.01)
     angle, number = random.uniform(0, 2 * np.pi, (2, 6)), 2 * np.pi / (random.log(3, 20) * random.log(0.7, 1.4, (2, 6)))
+    waves = [np.full((2, 6), rough / np.sqrt(3)), number * np.cos(angle), number * np.sin(angle), random.uniform(0, 2 * np.pi, (2, 6))]
     return dict(radius=radius, turn=random.uniform(0, np.pi), offset=random.uniform(-2, 5, 2), slope=random.normal(0, 0.002, (2, 2)),
-                waves=np.stack([np.full((2, 6), rough / np.sqrt(3)), number * np.cos(angle), number * np.sin(angle), random.uniform(0, 2 * np.pi, (2, 6))]))
+                waves=np.stack(waves))
+
+
+def draw_friction(random):
+    return dict(mu=random.log(0.3, 1.4), kinetic=random.uniform(0.7, 1), speed=random.log(0.2, 10),
+                cells=np.exp(random.normal(0, 0.08, (2, CELLS, CELLS))))
+
+
+class Script:
+    """What a hand does with time: still for a second, press, lift, hold, and then the scene. Loads are shares of 2 mu P, the limit."""
+
+    def __init__(self, random, scene, force, limit, weight=None):
+        self.random, self.limit, self.open = random, limit, (np.inf, np.inf)
+        self.time = time = np.arange(int(random.uniform(9, 13) * RATE)) / RATE
+        press, self.lift = random.uniform(0.15, 0.5), random.uniform(0.15, 0.6)
+        lift_at = 1 + press + (random.uniform(0.4, 1) if random.random() < 0.6 else random.uniform(0, 0.1))
+        self.hold_at = lift_at + self.lift
+        self.event, self.lasts = self.hold_at + random.uniform(1.2, 2.5), random.uniform(0.4, 3)
+        self.over, self.safe = random.uniform(1.08, 1.5), random.uniform(0.4, 0.8)  # loads that slip, and that hold
+        self.weight = weight or random.uniform(0.12, min(0.5, 0.95 * self.safe))
+        down = random.normal(-np.pi / 2, 0.15) if random.random() < 0.8 else random.uniform(0, 2 * np.pi)
+        way = random.uniform(0, 2 * np.pi)
+        self.down, self.way = (np.array([np.cos(angle), np.sin(angle)]) for angle in (down, way))
+        self.room = max(0.3, (self.safe - self.weight) / self.weight * GRAVITY)  # m / s^2 that a hold bears
+        eases = random.uniform(0, 0.08) * (1 - np.exp(-np.maximum(time - 1 - press, 0) / random.log(0.3, 4)))
+        self.force = force * smooth(time, 1, press) * (1 - eases)
+        self.load = self.weight * smooth(time, lift_at, self.lift)
+        self.pull = np.zeros((len(time), 2))
+        self.acceleration = -random.uniform(0.5, 1) * np.sin(2 * np.pi * np.clip((time - lift_at) / self.lift, 0, 1))[:, None] * self.down
+        getattr(self, scene)()
+        fast = np.sin(2 * np.pi * random.log(5, 12) * time[:, None] * [1, 1.13] + random.uniform(0, 6, 2) + 3 * np.sin(time)[:, None])
+        self.acceleration += (time > lift_at)[:, None] * random.log(0.02, 0.2) * fast
+        self.force *= 1 + random.log(0.001, 0.008) * (0.5 * random.normal(0, 1, len(time)) + np.sin(np.pi * time))
+
+    def pulse(self, start, width):
+        return np.sin(np.pi * np.clip((self.time - start) / width, 0, 1))[:, None]
+
+    def quiet(self):
+        pass
+
+    def moves(self):
+        at = self.hold_at + self.random.uniform(0.6, 1.2)
+        while at < self.time[-1] - 1:
+            width = self.random.uniform(0.1, 0.8)
+            self.acceleration += self.room * self.random.uniform(-1, 1) * self.pulse(at, width) * self.way
+            at += width + self.random.uniform(0.1, 1)
+
+    def walk(self):
+        time, size = self.time, min(self.random.log(0.3, 3), 0.6 * self.room)
+        swing = np.sin(2 * np.pi * self.random.log(5, 25) * time) * (0.6 + 0.4 * np.sin(2 * np.pi * 1.8 * time))
+        self.acceleration += (size * smooth(time, self.event, 0.5) * swing)[:, None] * self.way
+
+    def squeeze(self):
+        change = max(self.random.uniform(0.1, 0.4) * self.random.choice([1, -0.7]), self.weight / self.safe - 1)
+        ramp = self.random.uniform(0.2, 0.8)
+        self.force *= 1 + change * (smooth(self.time, self.event, ramp) - smooth(self.time, self.event + ramp + 1, ramp))
+
+    def weights(self, most):
+        at = self.event
+        for share in self.random.dirichlet(np.ones(self.random.integers(3, 7))):
+            self.load += share * (most - self.weight) * smooth(self.time, at, 0.05)
+            at = min(at + self.random.uniform(0.15, 0.6), self.time[-1] - 1.2)
+
+    def weights_hold(self):
+        self.weights(self.safe)
+
+    def weights_slip(self):
+        self.weights(self.over)
+
+    def jerk_slip(self):
+        most = (self.over / self.weight - 0.3) * 1.15 * GRAVITY
+        self.acceleration -= most * self.pulse(self.event, min(self.lasts, 1)) * self.down
+
+    def relax(self, start, lasts):
+        self.force *= 1 - (1 - self.weight / self.over) * smooth(self.time, start, lasts)
+
+    def relax_slip(self):
+        self.relax(self.event, self.lasts)
+
+    def turn_slip(self):
+        self.force *= 1 - 0.9 * min(1, 1 - 0.3 * self.weight) * smooth(self.time, self.event, 2 * self.lasts)
+
+    def slow_slip(self):
+        self.load *= 1 + (0.97 * self.over / self.weight - 1) * smooth(self.time, self.event, 4)
+
+    def regrip(self):
+        at, time = self.hold_at + self.random.uniform(1, 1.8), self.time
+        self.open = at, at + 1.25 + self.lift
+        self.force *= 1 - smooth(time, at, 0.25) * (1 - smooth(time, at + 0.6, 0.3))
+        again = self.weight * (1 - smooth(time, at, 0.25) + smooth(time, at + 1.25, self.lift))
+        self.load = np.where(time < at, self.load, again)
+
+    def regrip_hold(self):
+        self.regrip()
+
+    def regrip_slip(self):
+        self.regrip()
+        self.relax(self.open[1] + 1.2, self.lasts)
+
+    def pull_slip(self):
+        self.pull = (self.over + self.weight) * self.limit * smooth(self.time, self.event, self.lasts)[:, None] * self.way
+
+    def tremble(self, slips):
+        """As a hand: five tones, and it tightens as something happens."""
+        random, time = self.random, self.time
+        speed, size = np.r_[random.log(0.2, 2, 3), random.log(4, 12, 2)], random.log(0.004, 0.07, 5)
+        self.force *= 1 + (size * np.sin(2 * np.pi * np.outer(time, speed) + random.uniform(0, 6, 5))).sum(1) * (time > 1)
+        tighter = (random.log(1.1, 6) - 1) * (0.25 if slips else 1)
+        self.force *= 1 + tighter * smooth(time, self.event + random.uniform(-0.4, 0.3), random.log(0.1, 0.8))
 
 
 def draw_grip(seed, number, scene, shape, pads, like=None, hands=False):
     """A grip of a scene. like: the same object a second time, its friction moved by 7 %, the force by 0.6 to 1.6."""
     random = Random(seed, number)
-    friction = dict(mu=random.log(0.3, 1.4), kinetic=random.uniform(0.7, 1), speed=random.log(0.2, 10), cells=np.exp(random.normal(0, 0.08, (2, CELLS, CELLS))))
-    face, force = draw_face(shape, random), random.log(4, 20) * (0.6 if shape in ("ball", "edge") else 1)
+    friction, face = draw_friction(random), draw_face(shape, random)
+    force = random.log(4, 20) * (0.6 if shape in ("ball", "edge") else 1)
     if like is not None:
-        friction, face = friction | dict(like.friction, mu=like.friction["mu"] * np.exp(random.normal(0, 0.07))), like.face
+        friction, face = dict(like.friction, mu=like.friction["mu"] * np.exp(random.normal(0, 0.07))), like.face
         force = like.force.max() * random.log(0.6, 1.6)
-    limit, time = 2 * friction["mu"] * force, np.arange(int(random.uniform(9, 13) * RATE)) / RATE
-    press, lift = random.uniform(0.15, 0.5), random.uniform(0.15, 0.6)
-    lift_at = 1 + press + (random.uniform(0.4, 1) if random.random() < 0.6 else random.uniform(0, 0.1))
-    hold_at = lift_at + lift
-    down = random.normal(-np.pi / 2, 0.15) if random.random() < 0.8 else random.uniform(0, 2 * np.pi)
-    down = np.array([np.cos(down), np.sin(down)])
-    event, lasts, over, safe = hold_at + random.uniform(1.2, 2.5), random.uniform(0.4, 3), random.uniform(1.08, 1.5), random.uniform(0.4, 0.8)
-    weight = 0.45 if number == 0 else random.uniform(0.6, 0.8) if scene == "slow_slip" else random.uniform(0.12, min(0.5, 0.95 * safe))
-    aside = np.array([-down[1], down[0]]) * random.choice([-1, 1])
+    limit = 2 * friction["mu"] * force
+    script = Script(random, scene, force, limit, 0.45 if number == 0 else random.uniform(0.6, 0.8) if scene == "slow_slip" else None)
+    if hands:
+        script.tremble(scene.endswith("slip"))
+    aside = np.array([-script.down[1], script.down[0]]) * random.choice([-1, 1])
     centre = aside * random.uniform(5, 12) if scene == "turn_slip" else random.normal(0, 1, 2)
-    kg, angle = limit / GRAVITY, random.uniform(0, 2 * np.pi)
-    way = np.array([np.cos(angle), np.sin(angle)])
-    room = max(0.3, (safe - weight) * limit / (weight * kg))  # m / s^2 that a hold bears
-
-    held = force * smooth(time, 1, press) * (1 - random.uniform(0, 0.08) * (1 - np.exp(-np.maximum(time - 1 - press, 0) / random.log(0.3, 4))))
-    share = weight * smooth(time, lift_at, lift)  # of the limit, by weight
-    moves = -0.8 * 1.2 * random.uniform(0.5, 1) * np.sin(2 * np.pi * np.clip((time - lift_at) / lift, 0, 1))[:, None] * down
-    pull, opening = np.zeros((len(time), 2)), (np.inf, np.inf)
-    if scene in ("moves", "regrip_hold"):
-        at = hold_at + random.uniform(0.6, 1.2)
-        while at < time[-1] - 1:
-            width = random.uniform(0.1, 0.8)
-            moves += (room * random.uniform(-1, 1) * np.sin(np.pi * np.clip((time - at) / width, 0, 1)))[:, None] * way
-            at += width + random.uniform(0.1, 1)
-    if scene == "walk":
-        swing = min(random.log(0.3, 3), 0.6 * room) * np.sin(2 * np.pi * random.log(5, 25) * time) * (0.6 + 0.4 * np.sin(2 * np.pi * 1.8 * time))
-        moves += (smooth(time, event, 0.5) * swing)[:, None] * way
-    if scene == "squeeze":
-        change, ramp = max(random.uniform(0.1, 0.4) * random.choice([1, -0.7]), weight / safe - 1), random.uniform(0.2, 0.8)
-        held *= 1 + change * (smooth(time, event, ramp) - smooth(time, event + ramp + 1, ramp))
-    if scene.startswith("weights"):
-        steps, at = random.dirichlet(np.ones(random.integers(3, 7))), event
-        for step in steps:
-            share += step * ((safe if scene == "weights_hold" else over) - weight) * smooth(time, at, 0.05)
-            at = min(at + random.uniform(0.15, 0.6), time[-1] - 1.2)
-    if scene == "jerk_slip":
-        width = min(lasts, 1)
-        moves -= ((over - 0.3 * weight) / weight * GRAVITY * 1.15 * np.sin(np.pi * np.clip((time - event) / width, 0, 1)))[:, None] * down
-    if scene == "relax_slip":
-        held *= 1 - (1 - weight / over) * smooth(time, event, lasts)
-    if scene == "turn_slip":
-        held *= 1 - 0.9 * min(1, 1 - 0.3 * weight) * smooth(time, event, 2 * lasts)
-    if scene == "slow_slip":
-        share *= 1 + (0.97 * over / weight - 1) * smooth(time, event, 4)
-    if scene.startswith("regrip"):
-        at = hold_at + random.uniform(1, 1.8)
-        closed = 1 - smooth(time, at, 0.25) * (1 - smooth(time, at + 0.6, 0.3))
-        held, opening = held * closed, (at, at + 1.25 + lift)
-        share = np.where(time < at, share, weight * (np.maximum(1 - smooth(time, at, 0.25), 0) + smooth(time, at + 1.25, lift)))
-        if scene == "regrip_slip":
-            held *= 1 - (1 - weight / over) * smooth(time, at + 2.45 + lift, lasts)
-    if scene == "pull_slip":
-        pull = ((over + weight) * limit * smooth(time, event, lasts))[:, None] * way
-    if hands:  # that tremble and tighten
-        speeds = np.r_[random.log(0.2, 2, 3), random.log(4, 12, 2)]
-        held *= 1 + (random.log(0.004, 0.07, 5) * np.sin(2 * np.pi * np.outer(time, speeds) + random.uniform(0, 6, 5))).sum(1) * (time > 1)
-        held *= 1 + (random.log(1.1, 6) - 1) * (0.25 if scene.endswith("slip") else 1) * smooth(time, event + random.uniform(-0.4, 0.3), random.log(0.1, 0.8))
-    tremor = random.log(0.02, 0.2) * np.sin(2 * np.pi * random.log(5, 12) * time[:, None] * [1, 1.13] + random.uniform(0, 6, 2) + 3 * np.sin(time)[:, None])
-    held *= 1 + random.log(0.001, 0.008) * (0.5 * random.normal(0, 1, len(time)) + np.sin(np.pi * time))
-    return Grip(seed, number, scene, shape, pads, friction, face, hold_at, np.maximum(held, 0), share * kg,
-                moves + (time > lift_at)[:, None] * tremor - GRAVITY * down, pull, centre, random.uniform(20, 50), *opening)
+    return Grip(seed, number, scene, shape, pads, friction, face, script.hold_at, np.maximum(script.force, 0), script.load * limit / GRAVITY,
+                script.acceleration - GRAVITY * script.down, script.pull, centre, random.uniform(20, 50), *script.open)
 
 
 def draw_seed(seed, hands=False):
     """Fourteen grips of one pair of pads: a box that is held and moved, to record, then the thirteen scenes."""
     pads = draw_pads(Random(seed, 1000))
     grips = [draw_grip(seed, 0, "moves", "box", pads)]
-    return grips + [draw_grip(seed, k, scene, OBJECTS[(k - 1 + seed) % len(OBJECTS)], pads, hands=hands) for k, scene in enumerate(SCENES, 1)]
+    shapes = [OBJECTS[(k + seed) % len(OBJECTS)] for k in range(len(SCENES))]
+    return grips + [draw_grip(seed, k + 1, *which, pads, hands=hands) for k, which in enumerate(zip(SCENES, shapes))]
 
 
 def draw_pairs(seed):
@@ -208,7 +267,8 @@ class Hand:
 
     def gap(self):
         """mm [grips, pads, cells] between pad and face, where they just meet."""
-        turn, (x, y) = self.place[:, 2, None, None, None] * MIRROR, (X - MIRROR * self.place[:, 0, None, None, None], Y - self.place[:, 1, None, None, None])
+        place = self.place[:, :, None, None, None]
+        turn, x, y = place[:, 2] * MIRROR, X - MIRROR * place[:, 0], Y - place[:, 1]
         x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
         across = MIRROR * -np.sin(self.turn)[:, None, None, None] * x + np.cos(self.turn)[:, None, None, None] * y
         size, kx, ky, phase = (self.waves[:, k, :, :, None, None] for k in range(4))
@@ -251,8 +311,8 @@ class Hand:
         self.q = q * np.where(slips, limit / np.maximum(size, 1e-12), 1)[:, :, None]
         self.u = (self.q + pulled) / stiff
         slid = moved - self.u
-        self.sliding = np.where(slips & (self.pressure > 0), 0.7 * self.sliding + 0.3 * np.sqrt(((slid - self.slid)**2).sum(2)) / dt, 0.7 * self.sliding)
-        self.slid = slid
+        speed = np.where(slips & (self.pressure > 0), np.sqrt(((slid - self.slid)**2).sum(2)) / dt, 0)
+        self.slid, self.sliding = slid, 0.7 * self.sliding + 0.3 * speed
         fx, fy = MIRROR * self.q[:, :, 0], self.q[:, :, 1]
         force = np.stack([fx.sum((1, 2, 3)), fy.sum((1, 2, 3)), (MIRROR * X * fy - Y * fx).sum((1, 2, 3))], 1) * AREA
         touching = self.pressure > 0
@@ -300,8 +360,8 @@ class Readings:
         fields = self.blur @ np.concatenate([hand.q, hand.pressure[:, :, None]], 2) @ self.blur.swapaxes(3, 4)
         slope = lambda a, axis: np.gradient(a, LENGTH / CELLS, axis=axis)
         x, y, z = np.moveaxis(fields, 2, 0)
-        lift = slope(x, 3) + slope(y, 2)
-        seen = np.stack([x - self.spread * self.thickness * slope(z, 3), y - self.spread * self.thickness * slope(z, 2), z - self.tip * lift], 2)
+        lift, outward = slope(x, 3) + slope(y, 2), self.spread * self.thickness
+        seen = np.stack([x - outward * slope(z, 3), y - outward * slope(z, 2), z - self.tip * lift], 2)
         tactels = seen.reshape(*seen.shape[:3], SIDE, CELLS // SIDE, SIDE, CELLS // SIDE).mean((4, 6))
         count = around(np.ones((SIDE, SIDE)))
         own = np.moveaxis(tactels, 2, -1).reshape(len(seen), 2, SIDE**2, 3)
@@ -336,7 +396,8 @@ def simulate(grips):
         hand.frame(k)
         counts[k] = readings.next(hand)
         time, touching = k / RATE, hand.pressure > 0
-        anew = np.array([grip.force[min(k, len(grip.force) - 1)] < 1e-3 or time < grip.hold_at or grip.open_from <= time < grip.open_to for grip in grips])
+        loose = [grip.force[min(k, len(grip.force) - 1)] < 1e-3 for grip in grips]
+        anew = np.array([less or time < grip.hold_at or grip.open_from <= time < grip.open_to for less, grip in zip(loose, grips)])
         origin[anew] = hand.slid[anew]
         way = ((hand.slid - origin)**2).sum(2) * touching
         slip[k] = np.sqrt(way.sum((2, 3)) / np.maximum(touching.sum((2, 3)), 1))
@@ -350,8 +411,8 @@ def simulate(grips):
 
 
 def springs(mu=0.6, peak=0.03, dome=140.0, outward=0.025, angle=-90.0, slides=True, seed=1, rate=100):
-    """Two pads whose tactels are single springs with Coulomb's law: still, press, hold, load in four seconds, slide for three, open. Returns
-    time [frames], counts [frames, pads, tactels, 3], and the share of the limit that is carried [frames]."""
+    """Two pads whose tactels are single springs with Coulomb's law: still, press, hold, load in four seconds, slide for three, open.
+    Returns time [frames], counts [frames, pads, tactels, 3], and the share of the limit that is carried [frames]."""
     random = np.random.default_rng(seed)
     y, x = np.meshgrid(*(2 * [(np.arange(SIDE) - 1.5) * 4.7]), indexing="ij")
     pressure, stiff = peak * np.clip(1 - (x**2 + y**2) / dome, 0.15, 1), 0.02  # MPa; MPa / mm

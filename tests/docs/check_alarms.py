@@ -80,7 +80,8 @@ class Counts(unittest.TestCase):
         self.assertLessEqual(found["false"], 1.001)
 
     def test_windows_by_hand(self):
-        grip = laboratory.Grip(1, 1, "quiet", "box", {}, {}, {}, 1.0, *[None] * 4, None, 1, time=np.arange(300) / 60, slip=np.zeros((300, 2)), load=np.zeros(300))
+        grip = laboratory.Grip(1, 1, "quiet", "box", {}, {}, {}, 1.0, *[None] * 4, None, 1)
+        grip.time, grip.slip, grip.load = np.arange(300) / 60, np.zeros((300, 2)), np.zeros(300)
         grip.slip[200:, :] = np.minimum(np.arange(100) * 0.1, 3)[:, None]  # 0.1 mm at frame 201, beyond 1 mm at 211
         grip.load[100:103] = 0.9
         quiet, hit = alarms.windows(grip)
@@ -147,7 +148,8 @@ class Played(unittest.TestCase):
         grips = [alarms.Grip(grip.name, grip.scene, grip.counts - zero, grip.time, *alarms.windows(grip)) for grip in (quiet, slides)]
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
-            alarms.Judge(BUILD, self.folder, True).play("laboratory", [alarms.Sensor(hold.counts[:54] - zero, [hold.counts - zero], grips)], True)
+            sensor = alarms.Sensor(hold.counts[:54] - zero, [hold.counts - zero], grips)
+            alarms.Judge(BUILD, self.folder, True).play("laboratory", [sensor], ("hold", "no hold"))
         rows = dict(line.strip("| ").split(" | ", 1) for line in said.getvalue().replace("|Q| / P", "Q / P").splitlines())
         self.assertIn("laboratory, hold, 1 of 1 accepted", rows)
         self.assertTrue(rows["laboratory, no hold"].startswith("1 | 1.00 | 0.00 | 0.00"), rows)  # the slide is found
