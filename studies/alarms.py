@@ -183,8 +183,8 @@ def of_changed(kind, sensors):
             rows, there = changed(kind, grip.rows)
             hit = tuple(np.searchsorted(there, grip.hit)) if grip.hit else None
             grips.append(dataclasses.replace(grip, rows=rows, time=grip.time[there], quiet=grip.quiet[there], hit=hit))
-        gains = kind.startswith(("P", "drift"))  # the empty pad does not know of them
-        yield Sensor(sensor.empty if gains else other(sensor.empty), [other(rows) for rows in sensor.holds], grips)
+        alike = kind.startswith(("P", "drift")) or kind.endswith(("rate", "lost"))
+        yield Sensor(sensor.empty if alike else other(sensor.empty), [other(rows) for rows in sensor.holds], grips)
 
 
 def judge(on, quiet, hit):
@@ -208,7 +208,7 @@ def latch(score, at):
 
 
 def total(found):
-    slips, holds = [f for f in found if f["slip"]], [f for f in found if not f["slip"] and f["quiet"]]
+    slips, holds = [f for f in found if f["slip"]], [f for f in found if f["quiet"]]
     share = lambda of, key: sum(f[key] > 0 for f in of) / len(of) if of else np.nan
     false, quiet, on = (sum(f[key] for f in found) for key in ("false", "quiet", "on"))
     minutes = quiet / RATE / 60
@@ -238,15 +238,25 @@ def at_one(scores, grips):
     return best
 
 
+def at_rest(force, touches):
+    """The mean of P [frames] over the last third of a second in which it was as steady as three times the steadiest so far."""
+    rows = np.lib.stride_tricks.sliding_window_view(np.r_[np.full(19, np.nan), force], 20)
+    mean = rows.mean(1)
+    steady = np.where(touches & (mean > 0), rows.std(1) / np.maximum(mean, 1e-9), np.inf)
+    steady[np.isnan(steady)] = np.inf
+    still = steady <= np.clip(3 * np.minimum.accumulate(steady), 0.006, 0.05)
+    return mean[np.maximum.accumulate(np.where(still, np.arange(len(force)), 0))]
+
+
 def nulls(grip, touch):
     """Scores [frames] that know little of slip."""
     force = grip.rows[..., 2].sum(2)
     touches = force > touch
     shear = np.linalg.norm(grip.rows[..., :2].sum(2), axis=-1) / np.where(touches, force, np.inf)
-    before = np.array([force[max(k - 60, 0):max(k - 40, 1)].mean(0) for k in range(len(force))])
+    before = np.column_stack([at_rest(*pad) for pad in zip(force.T, touches.T)])
     held = force[grip.quiet].mean() if grip.quiet.any() else force.mean()
-    rises = np.where(touches & (before > touch), force / np.maximum(before, touch) - 1, 0)
-    return {"P alone: its rise in a second": rises.max(1), "|Q| / P": shear.max(1), "time since touch": np.cumsum(touches.any(1)) * touches.any(1),
+    rises = np.where(touches & (before > touch), force / np.fmax(before, touch) - 1, 0)
+    return {"P alone: its rise since rest": rises.max(1), "|Q| / P": shear.max(1), "time since touch": np.cumsum(touches.any(1)) * touches.any(1),
             "1 / P, the same in all frames": np.full(len(force), 1 / max(held, 1e-9))}
 
 
@@ -335,7 +345,7 @@ def main(arguments=None):
         parser.error("--changed: needs --robots FOLDER or --seeds A-B")
     with tempfile.TemporaryDirectory() as folder:
         judged = Judge(options.build, pathlib.Path(folder), options.scenes)
-        print(study.head("world, rule", "slips", "hit", "already", "late", "quiet minutes", "false a minute", "on", "holds with a false one"))
+        print(study.head("world, rule", "slips", "hit", "already", "late", "quiet minutes", "false a minute", "on", "grips with a false one"))
         for name, world in worlds.items():
             if given[name]:
                 judged.play(name, world(given[name]), ("slide" if name == "pairs" else "hold", "no hold"))

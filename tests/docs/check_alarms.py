@@ -65,7 +65,7 @@ class Counts(unittest.TestCase):
         self.assertTrue(alarms.judge(flags(100, (50, 100)), quiet, (60, 80))["already"])
         self.assertTrue(alarms.judge(flags(200, (90, 100)), flags(200), (60, 80))["late"])
         two = alarms.total([one, alarms.judge(flags(100), quiet, None)])
-        self.assertEqual((two["slips"], two["hit"], two["holds"], two["alarmed"]), (1, 1, 1, 0))
+        self.assertEqual((two["slips"], two["hit"], two["holds"], two["alarmed"]), (1, 1, 2, 0.5))
         self.assertAlmostEqual(two["false"], 2 / (120 / 60 / 60))
 
     def test_latch_by_hand(self):
