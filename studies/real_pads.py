@@ -9,7 +9,7 @@ and Ghalamzan, "Proactive slip control by learned slip model and trajectory adap
 pads (xela_sensor1.csv, xela_sensor2.csv), times (robot_state.csv) and places of a marker (marker.csv).
 First motion: the box has turned by 0.6 degrees or gone 0.5 mm from the mean of its first 20 frames, for 5 frames; moved: 2.5 degrees
 or 2 mm. The marker judges and decides nothing: zero, gains, networks and scores are fixed without it. A threshold is 1.2 times the
-largest score in the first trial that never moves, the recorded hold.
+largest score in the first trial that never moves, the recorded hold. Other sensors: studies/alarms.py --robots FOLDER --changed.
 DIR gets network/, frames and a figure NAME.svg of each trial. Debian: python3-numpy, python3-matplotlib."""
 import dataclasses
 import json
@@ -310,24 +310,6 @@ def area(score, label):
     return (rank[label].sum() - slips * (slips + 1) / 2) / (slips * (len(label) - slips))
 
 
-def perturbed(kind, load):
-    """What a sensor of other gains, zeros or mounting would read."""
-    load = load.copy()
-    if kind.startswith("shear"):
-        load[..., :2] *= float(kind.split()[-1])
-    elif kind.startswith("P"):  # by a wrong zero of z
-        load[..., 2] += float(kind.split()[1]) / 100 * load[:, :START, :, 2].mean((1, 2))[:, None, None]
-    elif kind.startswith("gains"):
-        load *= 1 + np.random.default_rng(1).uniform(-0.2, 0.2, (2, 1, TACTELS, 3))
-    elif kind.startswith("turned"):
-        grid = np.rot90(load.reshape(*load.shape[:2], SIDE, SIDE, 3), axes=(2, 3)).reshape(load.shape)
-        load = np.stack([grid[..., 1], -grid[..., 0], grid[..., 2]], axis=-1)
-    return load
-
-
-PERTURBED = ("shear x 0.37", "shear x 2.7", "P +20 %", "P -20 %", "gains +-20 %", "turned by 90 degrees")
-
-
 def events(trial, on):
     """When the alarm on [frames] begins: frames after "moved", negative before it; or "none", or of a false one its frame."""
     begins = onset(on)
@@ -438,27 +420,14 @@ def main():
     for name in simple[0]:
         scores = [score[name] for score in simple]
         row(name, trials, scores, MARGIN * scores[held].max())
-    learnt = []
     for seed, network in enumerate(networks, 1):
         by_name, said = of_network(loads, network)
-        learnt.append(MARGIN * by_name["S less its start"][held].max())
         for name, scores in by_name.items():
             row(f"{name}, seed {seed}", trials, scores, MARGIN * scores[held].max())
         row(f"bound, seed {seed}, monitor --alarm {ALARM}", trials, by_name["bound"], None, [list(one[3]) for one in said])
         for trial, (S, upper, _, alarm) in zip(trials, said) if seed == 1 else ():
             figure(options.output / f"{trial.name}.svg", trial, S, upper, alarm)
 
-    print("\nOther sensors. Alike: the hold was recorded by the same sensor; before: by the sensor as it is.\n")
-    head(trials)
-    for kind in PERTURBED:
-        others = [perturbed(kind, load) for load in loads]
-        row_of_moved(f"moved, {kind}, alike", others, others[held])
-        row_of_moved(f"moved, {kind}, before", others, loads[held])
-        for seed, network in enumerate(slid, 1):
-            row_of_moved(f"slid, seed {seed}, {kind}, alike", others, others[held], *network)
-            row_of_moved(f"slid, seed {seed}, {kind}, before", others, loads[held], *network)
-        for seed, network in enumerate(networks, 1):
-            row(f"S less its start, seed {seed}, {kind}, before", trials, of_network(others, network)[0]["S less its start"], learnt[seed - 1])
 
 if __name__ == "__main__":
     main()
