@@ -46,6 +46,11 @@ function(tactel_install_libraries)
     return()
   endif()
   set(package ${CMAKE_INSTALL_LIBDIR}/cmake/tactel)
+  # What a C program links beside an archive.
+  set(standard ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+  list(REMOVE_ITEM standard ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
+  list(TRANSFORM standard PREPEND -l)
+  list(JOIN standard " " TACTEL_PC_PRIVATE)
   file(RELATIVE_PATH TACTEL_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)  # the tree may be moved
   foreach(component ${ARGN})
     get_target_property(folder tactel_${component} SOURCE_DIR)

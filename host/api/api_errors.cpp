@@ -4,11 +4,21 @@
 #include <tactel/progress.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host/support/errors.h"
+#include "host/support/stop_scope.h"
 #include "hw/frame_source.h"
 
 namespace tactel {
+
+struct CancelScope::State {
+  explicit State(std::function<bool()> function) : asked(std::move(function)) {}
+  host::StopScope::Asked asked;
+  host::StopScope scope{&asked};
+};
+CancelScope::CancelScope(std::function<bool()> asked) : state_(new State(std::move(asked))) {}
+CancelScope::~CancelScope() { delete state_; }
 
 Cancelled::~Cancelled() = default;
 HardwareError::~HardwareError() = default;

@@ -13,6 +13,8 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/pad_step.h"
+#include "host/support/errors.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/pad_step_layout.h"
 
 namespace tactel {
@@ -42,6 +44,8 @@ struct PadStepper::State {
   }
 
   void put_shapes(std::span<const double> pose);
+  template <class Step>
+  void step(const Step& step, std::span<const std::uint8_t> mask = {});
   void take_answer();
 
   host::Executor executor;
@@ -72,6 +76,26 @@ void PadStepper::State::put_shapes(std::span<const double> pose) {
     of.set_axes(axes);
   });
   put = std::move(now);
+}
+
+/// Calls step(stepper) and takes its answers. Contacts where the mask is 0 get their states and answers back, and all
+/// do where the step is cancelled. A step of few contacts is over too soon for that.
+template <class Step>
+void PadStepper::State::step(const Step& step, std::span<const std::uint8_t> mask) {
+  constexpr std::size_t few = 256;
+  const host::StopScope scope(count >= few ? host::StopScope::current() : nullptr);
+  with([&](auto& of) {
+    if (mask.empty() && !host::StopScope::current()) return step(of);
+    const auto kept = of.keep();
+    try {
+      step(of);
+    } catch (const Stopped&) {
+      of.put_back(kept);
+      throw;
+    }
+    if (!mask.empty()) of.put_back(kept, mask);
+  });
+  take_answer();
 }
 
 void PadStepper::State::take_answer() {
@@ -193,8 +217,7 @@ const StepAnswer& PadStepper::move(std::span<const double> pose, bool travel) {
     s.put_shapes(travel ? pose : std::span<const double>());
     std::vector<double> to(pose.begin(), pose.end());
     for (std::size_t c = 0; c < s.count; ++c) to[4 * c + 3] = fem::radians(to[4 * c + 3]);
-    s.with([&](auto& of) { of.move(to); });
-    s.take_answer();
+    s.step([&](auto& of) { of.move(to); });
   });
   return s.answer;
 }
@@ -205,7 +228,7 @@ const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
     check_numbers("motion", motion.size(), 3 * s.count);
     if (s.depths.empty()) throw ValueError("gaps", "none", "given before a motion");
     std::vector<double> to(4 * s.count);
-    s.with([&](auto& of) {
+    s.step([&](auto& of) {
       const std::vector<double> from = of.poses();
       for (std::size_t c = 0; c < s.count; ++c) {
         to[4 * c] = s.depths[c];
@@ -214,17 +237,20 @@ const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
       }
       of.move(to);
     });
-    s.take_answer();
   });
   return s.answer;
 }
 
-const StepAnswer& PadStepper::press(std::span<const double> wrench) {
+const StepAnswer& PadStepper::press(std::span<const double> wrench, std::span<const std::uint8_t> mask) {
   State& s = *state_;
   api::with_public_errors([&] {
+    check_numbers("wrench", wrench.size(), 4 * s.count);
+    if (!mask.empty()) check_numbers("mask", mask.size(), s.count);
     s.put_shapes({});
-    s.with([&](auto& of) { of.press(wrench); });
-    s.take_answer();
+    std::vector<double> to(wrench.begin(), wrench.end());
+    for (std::size_t c = 0; c < mask.size(); ++c)
+      if (mask[c] == 0) std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, 0.0);  // open: soon done
+    s.step([&](auto& of) { of.press(to); }, mask);
   });
   return s.answer;
 }

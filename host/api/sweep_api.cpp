@@ -156,6 +156,7 @@ Sweep& Sweep::operator=(Sweep&& other) noexcept {
   return *this;
 }
 
+std::string Sweep::text() const { return state_->sweep.text; }
 std::uint64_t Sweep::contacts() const { return state_->sweep.contacts().contacts(); }
 bool Sweep::endless() const { return state_->sweep.contacts().endless(); }
 std::uint64_t Sweep::seed() const { return state_->sweep.contacts().seed(); }

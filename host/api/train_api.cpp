@@ -107,6 +107,10 @@ Network Network::load(const std::string& path) {
   return api::with_public_errors(
       [&] { return Network(new State{std::make_shared<nn::Model>(host::read_onnx(path))}); });
 }
+Network Network::parse(std::string_view bytes) {
+  return api::with_public_errors(
+      [&] { return Network(new State{std::make_shared<nn::Model>(infer::read_network(bytes).model)}); }, "network");
+}
 void Network::to_onnx(const std::string& path) const {
   api::with_public_errors([&] { host::write_onnx(path, *state_->model); }, path);
 }

@@ -499,6 +499,30 @@ void PadStepper<Real>::set_state(std::span<const Real> numbers, std::span<const 
 }
 
 template <class Real>
+typename PadStepper<Real>::Kept PadStepper<Real>::keep() const {
+  const auto all = [](const Buffer<Real>& buffer) {
+    const auto numbers = buffer.map(MapFor::reading);
+    return std::vector<Real>(numbers.view().begin(), numbers.view().end());
+  };
+  return {all(state_->state), all(state_->result)};
+}
+
+template <class Real>
+void PadStepper<Real>::put_back(const Kept& kept, std::span<const std::uint8_t> mask) {
+  State& s = *state_;
+  if (!mask.empty()) check_size("mask", mask.size(), count());
+  s.result_view.reset(), s.frame_view.reset();
+  s.framed = false;
+  const auto put = [&](Buffer<Real>& buffer, const std::vector<Real>& from, std::size_t rows) {
+    const auto all = buffer.map();
+    for (std::size_t c = 0; c < count(); ++c)
+      for (std::size_t k = 0; k < rows && (mask.empty() || mask[c] == 0); ++k)
+        all[s.at(c, k, rows)] = from[s.at(c, k, rows)];
+  };
+  put(s.state, kept.state, s.rows()), put(s.result, kept.result, STEP_RESULT_ROWS);
+}
+
+template <class Real>
 void PadStepper<Real>::set_reach(double reach) {
   state_->step_launch->set("reach", static_cast<Real>(std::min(reach, 1e20)));
 }

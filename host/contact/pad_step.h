@@ -68,6 +68,14 @@ class PadStepper {
   std::vector<Real> state(std::span<const std::size_t> contacts = {}) const;
   void set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts = {});
 
+  /// States and results of all contacts, in the device's order.
+  struct Kept {
+    std::vector<Real> state, result;
+  };
+  Kept keep() const;
+  /// Puts them back: of all contacts, or of those where `mask` [count] is 0.
+  void put_back(const Kept& kept, std::span<const std::uint8_t> mask = {});
+
   /// Cells are near up to this part of the depth above it; infinity: all, for tests.
   void set_reach(double reach);
 

@@ -34,6 +34,7 @@ using namespace std::chrono_literals;
 constexpr const char* lock_name = "compiling";
 constexpr const char* programs_name = "programs";
 constexpr std::string_view own_prefix = "process.";
+constexpr auto until_locked = 10s;  // far more than a process takes from the making of its folder to the lock of it
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
@@ -145,7 +146,7 @@ void remove_abandoned(const fs::path& folder) {
     if (entry->path().filename().native().starts_with(own_prefix)) others.push_back(entry->path());
   for (const fs::path& other : others) {
     const std::string kernel = other.filename().string().substr(own_prefix.size(), running_kernel().size());
-    if (const Descriptor open(other, O_RDONLY | O_DIRECTORY); is_abandoned(open.get(), kernel, 1h))
+    if (const Descriptor open(other, O_RDONLY | O_DIRECTORY); is_abandoned(open.get(), kernel, until_locked))
       fs::remove_all(other, error);
   }
 }

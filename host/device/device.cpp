@@ -2,6 +2,7 @@
 #include "host/device/device.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "fem/cache_directory.h"
 #include "host/device/built_programs.h"
@@ -38,6 +40,12 @@ struct FoundDevice {
   cl::Device device;
 };
 
+/// A device as OpenCL gives it.
+struct DriverDevice {
+  cl::Platform platform;
+  cl::Device device;
+};
+
 bool contains(std::string_view text, std::string_view part) {
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
   return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
@@ -45,7 +53,9 @@ bool contains(std::string_view text, std::string_view part) {
 
 /// What is set up once a process.
 struct Process {
-  std::once_flag once;
+  std::mutex first_use;  ///< of the next three: PoCL and OpenCL's loader set themselves up in their first calls
+  bool set_up = false;
+  std::vector<DriverDevice> devices;    ///< empty: none found yet
   std::unique_ptr<CompileCache> cache;  ///< none where the user says where kernels are kept
   std::string trouble;                  ///< with places for the cache
   LogSink log;
@@ -78,17 +88,16 @@ void set_up_cache() {
 // By default PoCL offers only its `pthread` device; its `basic` device launches in under a microsecond.
 // What the user has set stays.
 void set_up_pocl() {
-  std::call_once(process().once, [] {
-    setenv("POCL_DEVICES", our_pocl_devices, 0);
-    if (!shows_processors()) {  // hwloc, with which PoCL looks for them, takes this for the machine
-      const std::size_t memory = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
-      const std::string seen =
-          "numa:1(memory=" + std::to_string(memory) + ") pu:" + std::to_string(::sysconf(_SC_NPROCESSORS_ONLN));
-      setenv("HWLOC_SYNTHETIC", seen.c_str(), 0);
-      setenv("HWLOC_THISSYSTEM", "1", 0);
-    }
-    if (!process().cache) set_up_cache();
-  });
+  if (std::exchange(process().set_up, true)) return;
+  setenv("POCL_DEVICES", our_pocl_devices, 0);
+  if (!shows_processors()) {  // hwloc, with which PoCL looks for them, takes this for the machine
+    const std::size_t memory = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
+    const std::string seen =
+        "numa:1(memory=" + std::to_string(memory) + ") pu:" + std::to_string(::sysconf(_SC_NPROCESSORS_ONLN));
+    setenv("HWLOC_SYNTHETIC", seen.c_str(), 0);
+    setenv("HWLOC_THISSYSTEM", "1", 0);
+  }
+  if (!process().cache) set_up_cache();
 }
 
 /// While it lives, PoCL is told where this process keeps what it compiles. PoCL reads that once; the programs that this
@@ -176,8 +185,13 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   return info;
 }
 
-/// A driver or its compiler that cannot open a file does not say so.
+/// A driver or its compiler that cannot open or write a file does not say so, and PoCL aborts.
 void expect_files() {
+  constexpr rlim_t largest = 1 << 20;  // bytes; five times a kernel
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < largest)
+    throw DeviceError("write", std::strerror(EFBIG), "",
+                      "OpenCL and its compiler write files of up to 1 MB: allow larger ones (ulimit -f unlimited)");
   std::array<int, 40> files{};
   for (int& file : files) file = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   const int error = files.back() < 0 ? errno : 0;
@@ -191,25 +205,18 @@ void expect_files() {
 
 /// PoCL starts a thread a core, and aborts where there is none.
 void expect_threads() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    std::latch all(1);
-    std::vector<std::jthread> threads;
-    try {
-      for (long k = ::sysconf(_SC_NPROCESSORS_ONLN); k > 0; --k) threads.emplace_back([&] { all.wait(); });
-      all.count_down();
-    } catch (const std::system_error& error) {
-      all.count_down();
-      throw DeviceError("pthread_create", error.code().message(), "", thread_advice);
-    }
-  });
+  std::latch all(1);
+  std::vector<std::jthread> threads;
+  try {
+    for (long k = ::sysconf(_SC_NPROCESSORS_ONLN); k > 0; --k) threads.emplace_back([&] { all.wait(); });
+    all.count_down();
+  } catch (const std::system_error& error) {
+    all.count_down();
+    throw DeviceError("pthread_create", error.code().message(), "", thread_advice);
+  }
 }
 
-std::vector<FoundDevice> find_devices() {
-  expect_files();
-  set_up_pocl();
-  if (address_space_left() < opencl_space + std::thread::hardware_concurrency() * stack_size()) return {};
-  expect_threads();
+std::vector<DriverDevice> ask_drivers() {
   const HeldSignals held(HeldSignals::always);  // PoCL's threads are made here, and compile later: they keep it
   const ToldFolder told;
   std::vector<cl::Platform> platforms;
@@ -218,7 +225,7 @@ std::vector<FoundDevice> find_devices() {
   } catch (const cl::Error&) {
     return {};  // the loader reports "no platform" as an error
   }
-  std::vector<FoundDevice> found;
+  std::vector<DriverDevice> found;
   for (const cl::Platform& platform : platforms) {
     std::vector<cl::Device> devices;
     try {
@@ -226,9 +233,25 @@ std::vector<FoundDevice> find_devices() {
     } catch (const cl::Error&) {
       continue;  // a platform without devices reports that as an error, too
     }
-    for (const cl::Device& device : devices)
-      found.push_back({describe(platform, device, static_cast<int>(found.size())), device});
+    for (const cl::Device& device : devices) found.push_back({platform, device});
   }
+  return found;
+}
+
+/// OpenCL's first use in a process, and the environment of that alone, are one thread's at a time.
+std::vector<FoundDevice> find_devices() {
+  Process& all = process();
+  const std::lock_guard lock(all.first_use);
+  expect_files();
+  set_up_pocl();
+  if (address_space_left() < opencl_space + std::thread::hardware_concurrency() * stack_size()) return {};
+  if (all.devices.empty()) {
+    expect_threads();
+    all.devices = ask_drivers();
+  }
+  std::vector<FoundDevice> found;
+  for (const auto& [platform, device] : all.devices)
+    found.push_back({describe(platform, device, static_cast<int>(found.size())), device});
   return found;
 }
 
@@ -293,10 +316,12 @@ FoundDevice choose(std::string_view choice) {
 }  // namespace
 
 std::string no_device_advice() {
-  const char* cache = std::getenv("POCL_CACHE_DIR");
-  if (cache != nullptr && access(cache, W_OK) != 0)
-    return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
-  if (cache == nullptr && !process().trouble.empty()) return no_cache();
+  if (!process().cache) {
+    const char* cache = std::getenv("POCL_CACHE_DIR");
+    if (cache && access(cache, W_OK) != 0)
+      return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
+    if (!process().trouble.empty()) return no_cache();
+  }
   if (std::string advice = address_space_advice(); !advice.empty()) return advice;
   for (const char* name : {"OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "POCL_DEVICES", "POCL_BUILDING"})
     if (const char* value = std::getenv(name); value && value != std::string_view(our_pocl_devices))

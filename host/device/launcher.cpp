@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <mutex>
+#include <shared_mutex>
 
 #include "host/support/interrupt.h"
 #include "kernels/shared/group.h"
@@ -14,11 +15,9 @@ namespace {
 constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
 constexpr std::size_t gpu_local_size = 64;  ///< where the kernel's private memory allows so many
 
-/// PoCL compiles a kernel for each local size, and aborts where threads launch it meanwhile.
-std::mutex& new_local_size() {
-  static std::mutex one_at_a_time;
-  return one_at_a_time;
-}
+/// Held alone by a compilation, and with others by the launches that must not go beside one:
+/// Launcher::compiles_sizes().
+std::shared_mutex launches;
 
 }  // namespace
 
@@ -43,22 +42,31 @@ void Launcher::enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t 
   queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(local));
 }
 
+// A processor has one local size. PoCL in the place of a GPU compiles a kernel for each, and aborts where another
+// thread launches it then.
+bool Launcher::compiles_sizes() const { return is_pocl(device_.info()) && device_.info().type != DeviceType::cpu; }
+
 void Launcher::compile(Launch::State& launch) {
   if (launch.compiled) return;
   launch.local = translated(device_.info().name, [&] { return local_size(launch.kernels[0]); });
   if (launch.program.takes_group(launch.kernel)) {
-    const HeldSignals held(HeldSignals::handled);
-    const std::lock_guard lock(new_local_size());
     launch.widest = widest_launch();
     const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : launch.local;
-    on_spare_queue([&](cl::CommandQueue& queue) {
-      enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, launch.local);
-      queue.finish();
-    });
+    compile(launch, global, launch.local);
   } else {
     device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
   }
   launch.compiled = true;
+}
+
+void Launcher::compile(Launch::State& launch, std::size_t global, std::size_t local) {
+  const HeldSignals held(HeldSignals::handled);
+  const std::lock_guard lock(launches);
+  on_spare_queue([&](cl::CommandQueue& queue) {
+    enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, local);
+    queue.finish();
+  });
+  launch.local_sizes.insert(local);
 }
 
 // OpenCL's own offset stays zero: PoCL aborts when two threads launch a kernel with and without. On a GPU a ragged end
@@ -68,12 +76,14 @@ void Launcher::launch_on(cl::CommandQueue& queue, Launch::State& launch, int thr
   for (const std::size_t end = first + count; first < end; first += count) {
     count = std::min(end - first, launch.widest);
     const std::size_t ragged = count % launch.local;
+    std::shared_lock<std::shared_mutex> beside;
+    if (compiles_sizes()) {
+      if (ragged > 0 && launch.widest > 1 && !launch.local_sizes.contains(ragged)) compile(launch, ragged, ragged);
+      beside = std::shared_lock(launches);
+    }
     enqueue(queue, launch.kernels[thread], first, count - ragged, launch.local);
-    if (ragged == 0) continue;
-    std::unique_lock alone(new_local_size(), std::defer_lock);
-    if (is_pocl(device_.info())) queue.finish(), alone.lock();
     enqueue(queue, launch.kernels[thread], first + count - ragged, ragged, ragged);
-    if (alone) queue.finish();
+    if (beside) queue.finish();
   }
   queue.finish();
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct Launch::State {
   KernelTime* time;                                                  ///< its sum in the executor
   double seconds_per_group = 0;                                      ///< in the last run; 0: not run yet
   bool compiled = false;                                             ///< by a launch
-  std::size_t widest = 1;                                            ///< groups in one launch
+  std::size_t widest = 1;                                            ///< groups in one launch; 1 without TAKE_GROUP
   std::size_t local = 1;                                             ///< groups in one work-group
+  std::set<std::size_t> local_sizes{};                               ///< for which it is compiled
   std::vector<KernelParameter> parameters{};                         ///< of the kernel
   std::unique_ptr<std::mutex> use = std::make_unique<std::mutex>();  ///< held by a run: kernel objects have its groups
 
@@ -51,6 +53,8 @@ class Launcher {
 
  private:
   std::size_t local_size(const cl::Kernel& kernel) const;
+  bool compiles_sizes() const;  ///< anew for each local size
+  void compile(Launch::State& launch, std::size_t global, std::size_t local);
   void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
   template <class Use>
   void on_spare_queue(const Use& use);

@@ -2,11 +2,20 @@
 #include "host/device/program.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <future>
 #include <set>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 
 #include "host/device/built_programs.h"
 #include "host/device/opencl.h"
+#include "host/support/errors.h"
+#include "host/support/stop_scope.h"
 #include "kernels/embedded.h"
 
 namespace tactel::host {
@@ -68,6 +77,34 @@ std::string option_text(const Device& device, const Defines& defines) {
   return text;
 }
 
+/// Returns build(). Where this thread may be asked to stop, another one builds, and a stop leaves it to its work: the
+/// cache keeps the program for the next who asks.
+cl::Program stoppable(const std::function<cl::Program()>& build) {
+  using namespace std::chrono_literals;
+  if (!StopScope::current()) return build();
+  static std::atomic<int> under_way = 0;
+  static const int at_exit = std::atexit([] {  // before the driver ends, which builds
+    while (const int left = under_way) under_way.wait(left);
+  });
+  (void)at_exit;
+  std::packaged_task<cl::Program()> task(build);
+  std::future<cl::Program> built = task.get_future();
+  ++under_way;
+  try {
+    std::thread([task = std::move(task)]() mutable {
+      task();
+      --under_way;
+      under_way.notify_all();
+    }).detach();
+  } catch (const std::system_error&) {
+    --under_way;
+    return build();
+  }
+  while (built.wait_for(20ms) != std::future_status::ready)
+    if (StopScope::asked()) throw Stopped("stopped while kernels were compiled");
+  return built.get();
+}
+
 }  // namespace
 
 std::string expand_includes(const std::string& name, const std::string& text) {
@@ -89,7 +126,8 @@ struct Program::State {
     const std::lock_guard lock(programs.mutex);
     cl::Program& known = programs.all[options + "\n" + source + "\n" + text];
     if (!known()) {
-      known = built_program(device, {source, options, expand_includes(source, text)});
+      const ProgramText all{source, options, expand_includes(source, text)};
+      known = stoppable([on = device, all] { return built_program(on, all); });
       device.log(LogLevel::debug, source + " built, " + options);
     }
     built = known;

@@ -21,8 +21,9 @@ namespace tactel::host {
 namespace {
 
 constexpr std::size_t bytes_of_file = 1 << 16;
-constexpr std::size_t bytes_of_pipe = 1 << 12;    // few: what waits in the pipe has not arrived yet, and is not late
-constexpr double latest_arrival = 1e9;            // s, as of recordings
+constexpr int most_reads = 32;                  // of a file without frames, until the caller is asked whether to go on
+constexpr std::size_t bytes_of_pipe = 1 << 12;  // few: what waits in the pipe has not arrived yet, and is not late
+constexpr double latest_arrival = 1e9;          // s, as of recordings
 constexpr std::uint64_t most_bad_at_first = 100;  // lines: what a board prints when it starts is less
 constexpr const char* meaning = "one for each of the profile's channels";
 
@@ -89,6 +90,7 @@ void CsvSource::fill(double timeout) {
   if (live_) arrival_ = now();
   counts_.bytes += static_cast<std::uint64_t>(size);
   ended_ = size == 0;
+  text_.erase(0, std::exchange(line_begin_, 0));
   text_.append(bytes.data(), static_cast<std::size_t>(size));
   line_end_ = text_.find('\n');
   if (!ended_) return;
@@ -139,10 +141,11 @@ void CsvSource::count_bad(const std::string& why) {
     throw hw::RecordingError(fmt::format("{}; so were all of the first {} lines", first_bad_, most_bad_at_first));
 }
 
-/// Takes the first line of the text. One that is too long is dropped in pieces, and counts once.
+/// Takes the line at hand. One that is too long is dropped in pieces, and counts once.
 void CsvSource::take_line() {
   try {
-    if (!dropping_ && lines_.read(std::string_view(text_).substr(0, line_end_), line_) && is_of_sensor()) {
+    if (!dropping_ && lines_.read(std::string_view(text_).substr(line_begin_, line_end_ - line_begin_), line_) &&
+        is_of_sensor()) {
       set_arrival();
       hw::append_csv_frame(frames_++, time(), lines_.numbers().subspan(lines_.has_time()), packet_);
       if (port_) port_->answered();
@@ -153,17 +156,18 @@ void CsvSource::take_line() {
   }
   dropping_ = line_end_ == std::string::npos;
   if (!dropping_) ++line_;
-  text_.erase(0, dropping_ ? line_end_ : line_end_ + 1);
-  line_end_ = text_.find('\n');
+  line_begin_ = dropping_ ? text_.size() : line_end_ + 1;
+  line_end_ = text_.find('\n', line_begin_);
 }
 
 std::optional<hw::Packet> CsvSource::wait(double timeout) {
   if (!held_) {
     packet_.clear();
+    int reads = 0;
     do {
       if (!has_line() && !ended_) fill(timeout);
       while (has_line() && (live_ || packet_.empty())) take_line();
-    } while (!live_ && packet_.empty() && !ended_);
+    } while (!live_ && packet_.empty() && !ended_ && ++reads < most_reads);
     if (packet_.empty()) return std::nullopt;
   }
   held_ = !pace_.due(arrival_, timeout);

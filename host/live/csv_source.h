@@ -47,7 +47,7 @@ class CsvSource final : public hw::FrameSource {
   int fd() const override { return port_ ? port_->fd() : live_ ? file_ : -1; }
 
  private:
-  bool has_line() const { return line_end_ != std::string::npos || text_.size() > lines_.longest(); }
+  bool has_line() const { return line_end_ != std::string::npos || text_.size() - line_begin_ > lines_.longest(); }
   std::optional<double> time() const {
     return lines_.has_time() ? std::optional(lines_.numbers().front()) : std::nullopt;
   }
@@ -67,9 +67,10 @@ class CsvSource final : public hw::FrameSource {
   bool device_ = false;                       ///< a terminal that nobody types at
   bool gap_ = false;                          ///< a device was away before the next packet
   bool dropping_ = false;                     ///< text_ goes on with the rest of a line that was too long
-  std::string text_;                          ///< what was read and is not yet taken
-  std::size_t line_end_ = std::string::npos;  ///< in text_, of its first line; npos: that is not whole
-  std::uint64_t line_ = 1, frames_ = 0;       ///< number of the first line of text_; frames so far
+  std::string text_;                          ///< what was read last, with the rest of what was read before
+  std::size_t line_begin_ = 0;                ///< in text_, of the line at hand
+  std::size_t line_end_ = std::string::npos;  ///< npos: that line is not whole
+  std::uint64_t line_ = 1, frames_ = 0;       ///< its number; frames so far
   double first_time_ = 0, arrival_ = 0;       ///< s
   bool held_ = false;                         ///< the frame in packet_ waits for its time
   std::vector<std::uint8_t> packet_;

@@ -6,12 +6,16 @@
 #include <tactel/pad.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <thread>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -124,27 +128,59 @@ auto column(std::vector<Number> Owner::*numbers) {
   };
 }
 
-/// Calls a Python function (done, all), or nothing, from a computation without the interpreter lock. Ctrl-C cancels,
-/// and so does an exception of the function: `check` raises it.
-class PythonProgress {
+/// A computation without the interpreter lock, in the thread that makes it. Ctrl-C ends it soon, and so does an
+/// exception of its progress function: run() raises it.
+class Computation {
  public:
-  explicit PythonProgress(py::object function) : function_(std::move(function)) {}
-  bool operator()(std::uint64_t done, std::uint64_t all) const;
-  /// Runs a computation, which takes the ProgressFunction, without the interpreter lock. Raises what cancelled it.
+  /// `progress`: a Python function (done, all), or None.
+  explicit Computation(py::object progress = py::none()) : progress_(std::move(progress)) {}
+  /// Calls compute(ProgressFunction), or compute().
   template <class Compute>
-  auto run(const Compute& compute) const {
-    try {
+  auto run(const Compute& compute) {
+    const auto unlocked = [&] {
       const py::gil_scoped_release released;
-      return compute(ProgressFunction(*this));
+      const CancelScope scope([this] { return is_cancelled(); });
+      const auto progress = [this](std::uint64_t done, std::uint64_t all) { return goes_on(done, all); };
+      if constexpr (std::is_invocable_v<Compute>)
+        return compute();
+      else
+        return compute(ProgressFunction(progress));
+    };
+    try {
+      if constexpr (std::is_void_v<decltype(unlocked())>) {
+        unlocked();
+        raise_seen();
+      } else {
+        auto made = unlocked();
+        raise_seen();
+        return made;
+      }
     } catch (const Cancelled&) {
-      if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+      raise_seen();
       throw;
     }
   }
 
  private:
-  py::object function_;  ///< None: nothing is called
+  using Clock = std::chrono::steady_clock;
+  /// Raises what a signal or the progress function raised, also at the very end.
+  static void raise_seen() {
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+  }
+  bool is_cancelled();
+  bool goes_on(std::uint64_t done, std::uint64_t all);
+
+  py::object progress_;
+  std::thread::id own_ = std::this_thread::get_id();
+  Clock::time_point looked_ = Clock::now();  ///< for a signal
+  std::atomic<bool> cancelled_ = false;
 };
+
+/// The same without progress.
+template <class Compute>
+auto without_lock(const Compute& compute) {
+  return Computation().run(compute);
+}
 
 }  // namespace tactel::python
 

@@ -9,19 +9,28 @@ namespace tactel::python {
 
 using namespace pybind11::literals;
 
-// The interpreter's error indicator belongs to the calling thread, in which a ProgressFunction is called: it survives
-// until run().
-bool PythonProgress::operator()(std::uint64_t done, std::uint64_t all) const {
+// The interpreter's error indicator belongs to this thread: it survives until run().
+bool Computation::goes_on(std::uint64_t done, std::uint64_t all) {
   const py::gil_scoped_acquire held;
-  if (PyErr_CheckSignals() != 0) return false;
-  if (function_.is_none()) return true;
+  looked_ = Clock::now();
+  if (cancelled_ || PyErr_CheckSignals() != 0) return !(cancelled_ = true);
+  if (progress_.is_none()) return true;
   try {
-    function_(done, all);
+    progress_(done, all);
     return true;
   } catch (py::error_already_set& error) {
     error.restore();
-    return false;
+    return !(cancelled_ = true);
   }
+}
+
+// Only this thread may look for signals: others see what it saw.
+bool Computation::is_cancelled() {
+  constexpr std::chrono::milliseconds between_looks{50};
+  if (cancelled_ || std::this_thread::get_id() != own_ || Clock::now() - looked_ < between_looks) return cancelled_;
+  const py::gil_scoped_acquire held;
+  looked_ = Clock::now();
+  return cancelled_ = PyErr_CheckSignals() != 0;
 }
 
 void bind_errors(py::module_& module) {

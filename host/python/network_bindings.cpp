@@ -143,7 +143,9 @@ std::unique_ptr<OwnAlarm> alarm_of(const AnyNetwork& network, std::optional<doub
     throw InputError("network", "a SlipEstimator on a device", "give a Network: Network.load(path)");
   std::unique_ptr<OwnAlarm> made(
       new OwnAlarm{Alarm(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(*network), options)});
-  if (!device.empty()) made->estimator = std::make_unique<LiveEstimator>(std::vector{**trained}, device, touch);
+  if (!device.empty())
+    made->estimator =
+        without_lock([&] { return std::make_unique<LiveEstimator>(std::vector{**trained}, device, touch); });
   return made;
 }
 
@@ -302,6 +304,8 @@ void bind_networks(py::module_& m) {
             return errors(network.estimator(), set);
           },
           "set"_a, "Returns the errors |S - S of the set| on a set.")
+      .def(py::pickle([](const Network& network) { return py::bytes(network.onnx()); },
+                      [](const py::bytes& bytes) { return Network::parse(std::string_view(bytes)); }))
       .def("__repr__", [](const Network& network) {
         return "<tactel.Network " + network.topology() + ", seed " + std::to_string(network.seed()) + ">";
       });
@@ -330,7 +334,8 @@ void bind_networks(py::module_& m) {
                     "change of the stresses since rest: the norm of the differences of all, over the sum of the normal "
                     "stresses at rest; NaN without contact or rest")
       .def("__repr__", &text_of);
-  py::class_<OwnAlarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
+  py::class_<OwnAlarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.",
+                       py::dynamic_attr())
       .def(
           py::init(&alarm_of), "network"_a = py::none(), py::kw_only(), "at"_a = py::none(), "touch"_a = py::none(),
           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "", "rest"_a = false,
@@ -370,7 +375,8 @@ void bind_networks(py::module_& m) {
           "inputs", [](const OwnAlarm& own) { return own.alarm.inputs(); }, "numbers of a frame");
   py::class_<LiveEstimator>(m, "LiveEstimator",
                             "Answers to the frames of several sensors, the pads of a hand, on a device.")
-      .def(py::init<const std::vector<Network>&, const std::string&>(), "networks"_a, "device"_a = "",
+      .def(py::init<const std::vector<Network>&, const std::string&>(), py::call_guard<py::gil_scoped_release>(),
+           "networks"_a, "device"_a = "",
            "networks: that of each sensor; the same one several times shares its work. device: one of devices(), by "
            "\"gpu\", \"cpu\", index or a part of its name: one launch for all sensors whose networks have one topology "
            "and scaling; \"\": host code, with the same bits, quicker for a sensor or two.")
@@ -391,7 +397,8 @@ void bind_networks(py::module_& m) {
       .def("__repr__", [](const DeviceInfo& info) {
         return "<tactel.DeviceInfo " + std::to_string(info.index) + ": " + info.name + ", " + info.type + ">";
       });
-  m.def("devices", &devices, "Returns the OpenCL devices; where there is none an empty list.");
+  m.def("devices", &devices, py::call_guard<py::gil_scoped_release>(),
+        "Returns the OpenCL devices; where there is none an empty list.");
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
@@ -422,8 +429,7 @@ void bind_networks(py::module_& m) {
         options.history_change = history_change;
         options.target = std::move(target), options.friction = friction;
         options.device = std::move(device);
-        const PythonProgress told(std::move(progress));
-        return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
+        return Computation(std::move(progress)).run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
       "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "features"_a, "schedule"_a,
       "optimizer"_a, "loss"_a, "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a,

@@ -144,22 +144,27 @@ py::array_t<float> frames_of(const Paths& all, std::initializer_list<std::vector
   return frames;
 }
 
-/// A pandas.DataFrame of the numbers of every step; of pairs a column each, "Q_x" and "Q_y".
+/// A pandas.DataFrame of the numbers of every step; of pairs a column each, "Q_x" and "Q_y". attrs["units"] has those
+/// of the columns.
 template <class Path>
 py::object to_pandas(const py::object& path) {
   using Step = typename decltype(Path::steps)::value_type;
-  py::dict columns;
+  py::dict columns, units;
   const Step any{};
   each_numbered(host::quantities<false>(any), [&]<std::size_t>(const auto& quantity) {
     const std::string extent = quantity.extent, key = quantity.key;
     const py::object values = path.attr(key.c_str());
-    if (extent.empty()) columns[key.c_str()] = values;
+    const auto put = [&](const std::string& name, const py::object& column) {
+      columns[name.c_str()] = column, units[name.c_str()] = quantity.unit;
+    };
+    if (extent.empty()) put(key, values);
     for (const int axis : {0, 1})
-      if (extent == "2")
-        columns[(key + (axis == 0 ? "_x" : "_y")).c_str()] = values[py::make_tuple(py::ellipsis(), axis)];
+      if (extent == "2") put(key + (axis == 0 ? "_x" : "_y"), values[py::make_tuple(py::ellipsis(), axis)]);
   });
   try {
-    return py::module_::import("pandas").attr("DataFrame")(columns);
+    const py::object frame = py::module_::import("pandas").attr("DataFrame")(columns);
+    frame.attr("attrs")["units"] = units;
+    return frame;
   } catch (py::error_already_set& error) {
     if (!error.matches(PyExc_ImportError)) throw;
     throw InputError("pandas", "not installed", "install it: pip install pandas");
@@ -172,29 +177,29 @@ void bind_pictures(py::class_<Path>& path) {
   using namespace pybind11::literals;
   path.def(
           "json", [](const Path& self) { return json(self); }, "Returns the text of `tactel solve --json`.")
-      .def("to_pandas", &to_pandas<Path>, "Returns a pandas.DataFrame: a row a step.")
+      .def("to_pandas", &to_pandas<Path>,
+           "Returns a pandas.DataFrame: a row a step; attrs[\"units\"] has the units of its columns.")
       .def(
           "converge",
           [](const Path& self, std::optional<std::size_t> step) {
-            const py::gil_scoped_release released;
-            return converge(self, step);
+            return without_lock([&] { return converge(self, step); });
           },
           "step"_a = py::none(),
           "Solves the scene on ever smaller cells, as `tactel solve --converge`, and judges a step, from 0 (None: the "
           "last that sticks and slips). Takes seconds to minutes.");
   path.def(
           "html", [](const Path& self, std::optional<std::size_t> step) { return html(self, step); },
-          "step"_a = py::none(),
+          py::call_guard<py::gil_scoped_release>(), "step"_a = py::none(),
           "Returns the page of `tactel solve --html`, with this step first, from 0 (None: the last that sticks and "
           "slips).")
       .def(
           "to_html",
           [](const Path& self, const FileName& file, std::optional<std::size_t> step) { to_html(self, file, step); },
-          "file"_a, "step"_a = py::none(), "Writes that page to a file.")
+          py::call_guard<py::gil_scoped_release>(), "file"_a, "step"_a = py::none(), "Writes that page to a file.")
       .def(
           "to_vtu",
           [](const Path& self, const FileName& file, std::optional<std::size_t> step) { to_vtu(self, file, step); },
-          "file"_a, "step"_a = py::none(),
+          py::call_guard<py::gil_scoped_release>(), "file"_a, "step"_a = py::none(),
           "Writes the VTK file of `tactel solve --field` of a step (None: the last), for ParaView. Of a pad a name "
           "that "
           "ends in .vts takes the rubber, in .vtu the cells.");

@@ -183,9 +183,10 @@ void bind_solve_of(py::module_& m, const char* doc) {
         options.tolerance = tolerance;
         options.estimate_error = estimate_error;
         options.derivatives = derivatives;
-        const py::gil_scoped_release released;
-        return Typed<std::variant<Path, PadPath>, answer>{std::visit(
-            [&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); }, scene.value->of)};
+        return Typed<std::variant<Path, PadPath>, answer>{without_lock([&] {
+          return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); },
+                            scene.value->of);
+        })};
       },
       py::arg("scene").none(false), py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched",
       "precision"_a = "", "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false,
@@ -232,8 +233,7 @@ void bind_solve(py::module_& m) {
          std::string precision, std::string device, py::object progress) {
         const SolveOptions options =
             solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
-        const PythonProgress told(std::move(progress));
-        return told.run([&](const ProgressFunction& p) -> std::variant<Paths, PadPaths> {
+        return Computation(std::move(progress)).run([&](const ProgressFunction& p) -> std::variant<Paths, PadPaths> {
           if (!scenes.empty() && std::holds_alternative<PadScene>(scenes.front()->of))
             return solve_many(copies_of<PadScene>(scenes), options, p);
           return solve_many(copies_of<Scene>(scenes), options, p);

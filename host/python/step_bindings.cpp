@@ -56,7 +56,7 @@ py::array_t<float> frames_of_answer(const py::object& self) {
   if (answer.step != stepper.made)
     throw InputError("frames", "those of step " + std::to_string(answer.step),
                      "must be read before the next step, or copied");
-  const std::span<const float> frames = stepper.steps.frames();
+  const std::span<const float> frames = without_lock([&] { return stepper.steps.frames(); });
   const auto count = static_cast<py::ssize_t>(stepper.steps.count());
   py::array_t<float> array({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
   return array;
@@ -73,14 +73,16 @@ std::vector<PadIndenter> indenters_of(const std::variant<PadIndenter, PadShape, 
   return std::get<std::vector<PadIndenter>>(given);
 }
 
-void put_gaps(PadStepper& steps, const std::optional<Floats>& gaps, const std::optional<Floats>& cover) {
-  if (!gaps) {
-    if (cover) throw InputError("cover", "an array", "must be given with gaps");
-    return;
-  }
-  const std::size_t cells = steps.cell_x().size();
-  const std::vector<float> all = rows_of(*gaps, steps.count(), cells, "gaps");
-  steps.set_gaps(all, cover ? rows_of(*cover, steps.count(), cells, "cover") : std::vector<float>());
+void set_gaps(Stepper& self, const Floats& gaps, const std::optional<Floats>& cover) {
+  const std::size_t count = self.steps.count(), cells = self.steps.cell_x().size();
+  const std::vector<float> all = rows_of(gaps, count, cells, "gaps");
+  self.steps.set_gaps(all, cover ? rows_of(*cover, count, cells, "cover") : std::vector<float>());
+}
+
+/// Sets gaps where they are given, by Python's function, which keeps them for copies.
+void put_gaps(const py::object& self, const std::optional<Floats>& gaps, const std::optional<Floats>& cover) {
+  if (cover && !gaps) throw InputError("cover", "an array", "must be given with gaps");
+  if (gaps) self.attr("_gaps")(*gaps, cover);
 }
 
 Answer move(const py::object& self, const std::optional<Doubles>& pose, const std::optional<Floats>& gaps,
@@ -91,27 +93,33 @@ Answer move(const py::object& self, const std::optional<Doubles>& pose, const st
                      "must have a pose of the shapes, or gaps with a motion");
   if (pose) {
     const std::vector<double> to = rows_of(*pose, steps.count(), 4, "pose");
-    const py::gil_scoped_release released;
-    steps.move(to, travel);
+    without_lock([&] { steps.move(to, travel); });
   } else {
-    put_gaps(steps, gaps, cover);
+    put_gaps(self, gaps, cover);
     const std::vector<double> by =
         motion ? rows_of(*motion, steps.count(), 3, "motion") : std::vector<double>(3 * steps.count());
-    const py::gil_scoped_release released;
-    steps.move_by(by);
+    without_lock([&] { steps.move_by(by); });
   }
   return answer_of(self, steps.answer());
 }
 
-Answer press(const py::object& self, const Doubles& wrench, const std::optional<Floats>& gaps,
-             const std::optional<Floats>& cover) {
+using Mask = py::array_t<bool, py::array::c_style | py::array::forcecast>;
+
+/// A mask [count]; none: empty.
+std::vector<std::uint8_t> mask_of(const std::optional<Mask>& mask, std::size_t count) {
+  if (!mask) return {};
+  if (static_cast<std::size_t>(mask->size()) != count)
+    throw InputError("mask", std::to_string(mask->size()) + " numbers", "must be " + std::to_string(count));
+  return {mask->data(), mask->data() + mask->size()};
+}
+
+Answer press(const py::object& self, const Doubles& wrench, const std::optional<Mask>& mask,
+             const std::optional<Floats>& gaps, const std::optional<Floats>& cover) {
   PadStepper& steps = self.cast<Stepper&>().steps;
-  put_gaps(steps, gaps, cover);
+  put_gaps(self, gaps, cover);
   const std::vector<double> to = rows_of(wrench, steps.count(), 4, "wrench");
-  {
-    const py::gil_scoped_release released;
-    steps.press(to);
-  }
+  const std::vector<std::uint8_t> which = mask_of(mask, steps.count());
+  without_lock([&] { steps.press(to, which); });
   return answer_of(self, steps.answer());
 }
 
@@ -148,7 +156,8 @@ void bind_step_answer(py::module_& m) {
 void bind_steps(py::module_& m) {
   bind_step_answer(m);
   py::class_<Stepper> stepper(m, "PadStepper",
-                              "Contacts with one pad inside a simulator: each call takes all of them a step on.");
+                              "Contacts with one pad inside a simulator: each call takes all of them a step on.",
+                              py::dynamic_attr());
   stepper
       .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, int cells, double cell,
                        double tolerance, double force_tolerance, int most_solves, Precision precision,
@@ -158,8 +167,7 @@ void bind_steps(py::module_& m) {
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
-             const py::gil_scoped_release released;
-             return Stepper{PadStepper(pad, count, mu, options)};
+             return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = 16, "cell"_a = 0.5, "tolerance"_a = 1e-3,
            "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
@@ -200,19 +208,22 @@ void bind_steps(py::module_& m) {
           "places"_a,
           "Places of the shapes from the next step on: [count, 3] x, y (mm), yaw (degrees). Heights move, "
           "friction does not feel it.")
+      .def("_gaps", &set_gaps, "gaps"_a, "cover"_a = py::none())
       .def("move", &move, "pose"_a = py::none(), py::kw_only(), "gaps"_a = py::none(), "cover"_a = py::none(),
            "motion"_a = py::none(), "travel"_a = true,
            "Steps by motion. pose: [count, 4] depth, x, y (mm), twist (degrees) since the contact was reset, with "
            "travel the shapes go along. Or gaps: [count, cells] mm, < 0 overlaps, cover: [count, cells] 0 to 1, and "
            "motion: [count, 3] x, y (mm), twist (degrees) since the last step.")
-      .def("press", &press, "wrench"_a, py::kw_only(), "gaps"_a = py::none(), "cover"_a = py::none(),
-           "Steps by wrench, and finds the pose. wrench: [count, 4] P, Qx, Qy (N), M (N mm); P <= 0: open; gaps, cover "
-           "as of move.")
+      .def("press", &press, "wrench"_a, py::kw_only(), "mask"_a = py::none(), "gaps"_a = py::none(),
+           "cover"_a = py::none(),
+           "Steps by wrench, and finds the pose. wrench: [count, 4] P, Qx, Qy (N), M (N mm); P <= 0: open; mask: "
+           "[count] "
+           "where it is false, a contact stays as it is, with its last answer; gaps, cover as of move.")
       .def(
           "reset",
-          [](Stepper& self, const std::optional<py::array_t<bool, py::array::c_style | py::array::forcecast>>& mask) {
+          [](Stepper& self, const std::optional<Mask>& mask) {
             if (!mask) return self.steps.reset();
-            self.steps.reset(std::vector<std::uint8_t>(mask->data(), mask->data() + mask->size()));
+            self.steps.reset(mask_of(mask, self.steps.count()));
           },
           "mask"_a = py::none(), "Contacts as if nothing had touched: where mask [count] is true, or all.")
       .def("state", &state_of, "contacts"_a = std::vector<std::size_t>{},

@@ -62,14 +62,8 @@ class Batches {
   Batches(const Sweep& sweep, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first, bool whole)
       : batches_(sweep, contacts, options, first), whole_(whole) {}
   py::object next() {
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     auto rows = std::make_unique<Set>();
-    bool more = false;
-    {
-      const py::gil_scoped_release released;
-      more = batches_.next(*rows);
-    }
-    if (!more) throw py::stop_iteration();
+    if (!without_lock([&] { return batches_.next(*rows); })) throw py::stop_iteration();
     const py::object set = py::cast(std::move(rows));
     return whole_ ? set : py::make_tuple(set.attr("frames"), set.attr("slip_index"));
   }
@@ -207,6 +201,7 @@ void bind_sweeps(py::module_& m) {
           },
           "quantiles"_a)
       .def("_numbers", &Sweep::numbers)
+      .def_property_readonly("_text", &Sweep::text)
       .def("__len__", &Sweep::contacts)
       .def_property_readonly("contacts", &Sweep::contacts)
       .def_property_readonly("endless", &Sweep::endless, "contacts beyond `contacts` exist")
@@ -227,9 +222,9 @@ void bind_sweeps(py::module_& m) {
              std::string rung, std::string precision, std::string device, py::object progress) {
             const SweepOptions options =
                 sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device), {}, true);
-            const PythonProgress told(std::move(progress));
-            return told.run(
-                [&](const ProgressFunction& p) { return std::make_unique<Set>(sweep.generate(contacts, options, p)); });
+            return Computation(std::move(progress)).run([&](const ProgressFunction& p) {
+              return std::make_unique<Set>(sweep.generate(contacts, options, p));
+            });
           },
           "contacts"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a)
       .def(

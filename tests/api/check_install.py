@@ -153,7 +153,10 @@ class Check:
     def static(self):
         shared = self.compile(self.source / "tests/api/consumers/infer").rename(self.work / "shared")
         own = self.archive()
-        self.answers(own / "frame_cpp", own / "frame_c", shared / "frame_c")
+        env = {"PKG_CONFIG_PATH": str(next((self.work / "prefix").rglob("pkgconfig")))}
+        flags = self.run("pkg-config", "--static", "--cflags", "--libs", "tactel", env=env).split()
+        self.run(self.cc, self.source / "tests/api/consumers/infer/frame.c", "-o", self.work / "by_pkg_config", *flags)
+        self.answers(own / "frame_cpp", own / "frame_c", shared / "frame_c", self.work / "by_pkg_config")
         self.expect("tactel" not in self.run("readelf", "-d", own / "frame_cpp"), "the program still loads a library of tactel")
 
     def aarch64(self):

@@ -40,6 +40,37 @@ class Metadata(unittest.TestCase):
         self.assertIn("deb | wheel", done.stderr)
 
 
+    def test_files_in_packages_have_the_date_of_the_commit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name in ("scripts", "build-package", "bin"):
+                (root / name).mkdir()
+            for name in ("scripts/package", "scripts/steps.sh"):
+                (root / name).write_text(text(name))
+            (root / "build-package/a.deb").touch()
+            for name in ("cmake", "cpack", "help2man", "dpkg-shlibdeps", "mpicc"):
+                (root / "bin" / name).write_text(f'#!/bin/sh\necho {name} $SOURCE_DATE_EPOCH >> "{root}/dates"; touch a.deb\n')
+                (root / "bin" / name).chmod(0o755)
+            env = {**os.environ, "PATH": f"{root}/bin:{os.environ['PATH']}", "GIT_COMMITTER_DATE": "1700000000 +0000"}
+            env.pop("SOURCE_DATE_EPOCH", None)
+            for words in (["init", "-q"], ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "all"]):
+                subprocess.run(["git", "-C", folder, *words], check=True, env=env)
+            for given, date in (({}, "1700000000"), ({"SOURCE_DATE_EPOCH": "5"}, "5")):
+                (root / "dates").unlink(missing_ok=True)
+                subprocess.run(["bash", root / "scripts/package"], check=True, capture_output=True, env={**env, **given})
+                self.assertEqual((root / "dates").read_text(), f"cmake {date}\n" * 2 + f"cpack {date}\n")
+
+    def test_an_interpreter_without_numpy_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bare = pathlib.Path(folder) / "python"
+            bare.write_text("#!/bin/sh\nexit 1\n")
+            bare.chmod(0o755)
+            ask = [["cmake", f"-DPython_EXECUTABLE={python}", "-P", ROOT / "cmake/expect_numpy.cmake"] for python in (bare, sys.executable)]
+            without, has = (subprocess.run(words, capture_output=True, text=True) for words in ask)
+            self.assertIn(f"{bare} has no NumPy", " ".join(without.stderr.split()))
+            self.assertEqual((without.returncode != 0, has.returncode), (True, 0))
+
+
 class Release(unittest.TestCase):
     """scripts/release in a repository of its own, which has its scripts and what names the version."""
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of contacts with a pad in the Python package, against whole paths, by wrench and by gaps, and from a state."""
 
+import copy
+import pickle
 import unittest
 
 import numpy as np
@@ -87,6 +89,41 @@ class Steps(unittest.TestCase):
         flags = steps.press([[0.5, 0.1, 0, 0], [0, 0, 0, 0], [0.5, 0, 0, 0]]).flags
         self.assertEqual(flags[1], steps.OPEN)
 
+    def test_contacts_that_a_mask_leaves_out_stay_as_they_are(self):
+        for precision in ("fp32", "fp64"):
+            steps, all_step = (ball(precision=precision) for _ in range(2))
+            for each in (steps, all_step):
+                each.press([0.5, 0, 0, 0])
+                before = each.press([0.5, 0.05, 0, 0])
+            state, frames = steps.state(), before.frames.copy()
+            out, other = steps.press([0.5, 0.1, 0, 0], mask=[True, False, True]), all_step.press([0.5, 0.1, 0, 0])
+            expected = {name: np.where(np.arange(3).reshape((3,) + (1,) * (getattr(out, name).ndim - 1)) == 1, getattr(before, name), getattr(other, name))
+                        for name in ("force", "pose", "slip_index", "stick_fraction", "flags", "residual", "solves", "sweeps")}
+            for name, values in expected.items():
+                np.testing.assert_array_equal(getattr(out, name), values, name)
+            np.testing.assert_array_equal(out.frames[[0, 2]], other.frames[[0, 2]])
+            np.testing.assert_array_equal(out.frames[1], frames[1])
+            np.testing.assert_array_equal(steps.state([1]), state[1:2])
+            steps.press([[0, 0, 0, 0], [np.nan] * 4, [0, 0, 0, 0]], mask=[True, False, True])  # a wrench that nobody reads
+            np.testing.assert_array_equal(steps.state([1]), state[1:2])
+
+    def test_a_copy_goes_on_as_the_original(self):
+        given = np.array([0.3, 0.5, 0.8])
+        by_shape = tactel.PadStepper(PAD, 3, given, cells=12, cell=0.4, precision="fp64")
+        given[:] = 0.1  # the stepper has its own
+        by_shape.shapes([tactel.PadIndenter(tactel.Sphere(8.0))] * 3)
+        by_shape.places([[0.1, 0, 0], [0, 0.2, 0], [0.1, 0.1, 10]])
+        by_shape.press([0.5, 0, 0, 0])
+        by_shape.set_friction([0.4, 0.6, 0.7])
+        by_gaps = ball()
+        by_gaps.move(gaps=8 - np.sqrt(64 - by_gaps.cell_x**2 - by_gaps.cell_y**2) - 0.1)
+        for steps in (by_shape, by_gaps):
+            copies = [pickle.loads(pickle.dumps(steps)), copy.deepcopy(steps)]
+            out = steps.press([0.5, 0.1, 0.05, 0.01])
+            for other in copies:
+                np.testing.assert_array_equal(other.press([0.5, 0.1, 0.05, 0.01]).force, out.force)
+                np.testing.assert_array_equal(other.state(), steps.state())
+
     def test_frames_belong_to_the_last_step(self):
         steps = ball()
         out = steps.press([0.5, 0, 0, 0])
@@ -105,7 +142,8 @@ class Steps(unittest.TestCase):
         steps = ball()
         for wrong in (lambda: steps.press(np.zeros((2, 4))), lambda: steps.move(), lambda: steps.set_state(np.zeros((3, 7))),
                       lambda: steps.shapes([tactel.PadIndenter(tactel.Sphere(8))] * 2), lambda: steps.reset([True]),
-                      lambda: steps.press([1, 0, 0, 0], cover=np.ones(144)), lambda: steps.state([7])):
+                      lambda: steps.press([1, 0, 0, 0], cover=np.ones(144)), lambda: steps.state([7]),
+                      lambda: steps.press([1, 0, 0, 0], mask=[True]), lambda: steps.press([1, 0, 0, 0], mask=[])):
             with self.assertRaises(tactel.InputError):
                 wrong()
         out = steps.press([[0.5, 0, 0, 0], [np.nan, 0, 0, 0], [0.5, 0, 0, 0]])

@@ -13,6 +13,7 @@ import pickle
 import re
 import select
 import subprocess
+import sys
 import tempfile
 import threading
 import types
@@ -269,14 +270,21 @@ class Answers(unittest.TestCase):
                 self.assertEqual(tactel.read_scene(copy).toml(), scene.toml())
 
     def test_pandas(self):
-        made = []
-        with mock.patch.dict("sys.modules", pandas=types.SimpleNamespace(DataFrame=lambda columns: made.append(columns) or columns)):
+        class DataFrame(dict):  # what is used of pandas
+            def __init__(self, columns):
+                super().__init__(columns)
+                self.attrs = {}
+
+        with mock.patch.dict("sys.modules", pandas=types.SimpleNamespace(DataFrame=DataFrame)):
             line = tactel.solve(PARABOLA)
             self.assertEqual(line.to_pandas()["slip_index"].tolist(), line.slip_index.tolist())
+            self.assertEqual(line.to_pandas().attrs["units"]["P"], "N/mm")
             pad = tactel.solve(tactel.read_scene(ROOT / "examples/pad.toml"))
             table = pad.to_pandas()
             self.assertEqual(table["Q_y"].tolist(), pad.Q[:, 1].tolist())
             self.assertTrue(all(np.asarray(column).shape == (len(pad),) for column in table.values()))
+            self.assertEqual(table.attrs["units"].keys(), table.keys())
+            self.assertEqual([table.attrs["units"][name] for name in ("P", "Q_y", "M", "twist", "slip_index")], ["N", "N", "N mm", "degrees", ""])
         with mock.patch.dict("sys.modules", pandas=None), self.assertRaisesRegex(tactel.InputError, "pandas: not installed; install it"):
             line.to_pandas()
 
@@ -421,6 +429,19 @@ class OwnNetworks(unittest.TestCase):
                 tactel.Alarm(**{"network": net, **wrong})
         with self.assertRaisesRegex(tactel.InputError, r"frames: an array of another shape; \[24\]"):
             hand.next(frames[0])
+
+    def test_networks_and_alarms_survive_pickling(self):
+        net = tactel.Network.from_arrays(*self.layers([12, 9, 1]), "tanh", axes=3, name="mine")
+        frame = np.full(12, -0.2, np.float32)
+        again = pickle.loads(pickle.dumps(net))
+        self.assertEqual((again(frame), again.topology), (net(frame), net.topology))
+        self.assertEqual(again.estimator.metadata("learning_set"), "mine")
+        alarm = self.shear_alarm(at=0.8, touch=0.1)
+        near = [0, -0.2, 1, 0]
+        self.assertTrue(alarm.next(near).on)
+        new = pickle.loads(pickle.dumps(alarm))  # as it was made
+        self.assertFalse(new.next([0, -0.2, np.log(0.77 / 0.23) / 10, 0]).on)
+        self.assertEqual(repr(new.next(near)), repr(alarm.next(near)))
 
     def test_an_alarm_refuses_what_it_cannot_mean(self):
         for options, says in (({"at": 1.1}, "at: 1.1"), ({"touch": -1}, "touch: -1"), ({"hold": 0}, "hold: 0"), ({"widest": 0.4}, "widest: 0.4.*without a bound")):
@@ -639,6 +660,24 @@ class SetsAndNetworks(unittest.TestCase):
         workers = mock.Mock(get_worker_info=lambda: mock.Mock(num_workers=2))
         with mock.patch.dict("sys.modules", {"torch.utils.data": workers}), self.assertRaises(tactel.InputError):
             self.sweep.batches(10)
+
+    def test_a_sweep_survives_pickling(self):
+        sweep = tactel.Sweep(self.path, 5, tactels=9)
+        data = pickle.dumps(sweep)
+        again = pickle.loads(data)
+        np.testing.assert_array_equal(again.generate(10).frames, sweep.generate(10).frames)
+        self.assertTrue(next(again.batches(10)))
+        # In another process it is one of several.
+        code = f"import pickle; pickle.loads({data!r}).batches(10)"
+        done = subprocess.run([sys.executable, "-c", code], cwd="/", capture_output=True, text=True)
+        self.assertIn("each would draw the same contacts", done.stderr)
+        text = self.path.read_text()
+        try:
+            self.path.write_text(text.replace("0.8", "0.9"))
+            with self.assertRaisesRegex(tactel.InputError, "changed since the sweep was pickled"):
+                pickle.loads(data)
+        finally:
+            self.path.write_text(text)
 
     def test_counts_and_numbers_have_a_range(self):
         with self.assertRaisesRegex(tactel.InputError, "100000"):

@@ -12,13 +12,14 @@ On a Pad x and y lie in its plane, z points up from the base, and forces are in 
 
 from __future__ import annotations
 
+import functools as _functools
 import html as _html
 import os as _os
 import sys as _sys
 import time as _time
 import typing as _typing
 
-from . import _driver as _driver, _calls, _tactel
+from . import _interpreter as _interpreter, _driver as _driver, _calls, _tactel
 from ._tactel import *  # noqa: F403
 from ._tactel import __version__
 
@@ -86,6 +87,45 @@ for _class in vars(_tactel).values():
     _class.__eq__ = lambda self, other: type(self) is type(other) and all(map(_equal, _values(self), _values(other)))
     _class.__hash__ = None
     _class.__reduce__ = lambda self: (type(self), _values(self))
+
+
+def _keeping(kind, name, *replaced):
+    """Has an object keep the arguments of the last call of a method, which a copy of it makes again, in place of those of others."""
+    method = getattr(kind, name)
+
+    @_functools.wraps(method)
+    def call(self, *args, **kwargs):
+        answer = method(self, *args, **kwargs)
+        calls = self.__dict__.setdefault("_calls", {})
+        for old in (name, *replaced):
+            calls.pop(old, None)
+        calls[name] = [_own(one) for one in args], {word: _own(one) for word, one in kwargs.items()}
+        return answer
+
+    setattr(kind, name, call)
+
+
+def _own(value):
+    """A copy of an array or a list: its owner may change it."""
+    return value.copy() if hasattr(value, "copy") else value
+
+
+def _made_again(kind, calls, state=None):
+    made = kind.__new__(kind)
+    for name, (args, kwargs) in calls.items():
+        getattr(made, name)(*args, **kwargs)
+    if state is not None:
+        made.set_state(state)
+    return made
+
+
+_keeping(Alarm, "__init__")
+Alarm.__reduce__ = lambda self: (_made_again, (type(self), self._calls))
+for _call in ("__init__", "set_friction", "places"):
+    _keeping(PadStepper, _call)
+_keeping(PadStepper, "shapes", "places", "_gaps")
+_keeping(PadStepper, "_gaps", "shapes", "places")
+PadStepper.__reduce__ = lambda self: (_made_again, (type(self), self._calls, self.state()))
 
 
 def _repr_html(self) -> str:
@@ -180,7 +220,10 @@ class Sweep(_tactel.Sweep):
         super().__init__(path, seed, tactels, thickness)
         self.path = _os.fspath(path)
         self._process = _os.getpid()
-        self._sensor = {"tactels": tactels, "thickness": thickness}
+        self._seed, self._sensor = seed, {"tactels": tactels, "thickness": thickness}
+
+    def __reduce__(self):
+        return _sweep_again, (type(self), _os.path.abspath(self.path), self._seed, self._sensor, self._text, self._process)
 
     def generate(self, contacts: int | None = None, *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
                  device: str = "", progress: Shown = None) -> Set:
@@ -213,6 +256,15 @@ class Sweep(_tactel.Sweep):
         data = _sys.modules.get("torch.utils.data")
         worker = data.get_worker_info() if data else None
         return worker.num_workers > 1 if worker else self._process != _os.getpid()
+
+
+def _sweep_again(kind, path, seed, sensor, text, process):
+    """Returns a sweep of the same file. In another process it is one of several."""
+    sweep = kind(path, seed, **sensor)
+    if sweep._text != text:
+        raise _calls.input_error(path, "changed since the sweep was pickled", "pickle it again")
+    sweep._process = process
+    return sweep
 
 
 def _widths(layers):

@@ -382,6 +382,14 @@ TEST(HostileFiles, TooFewOpenFilesAreNamed) {
   }
 }
 
+// PoCL would abort. 20 blocks are 10 kB in dash, 20 in bash.
+TEST(HostileFiles, TooSmallFilesAreNamed) {
+  const ChildResult result = shell("ulimit -f 20; exec " TACTEL_PROGRAM " solve " + parabola + " </dev/null");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("File too large"));
+  EXPECT_THAT(result.err, HasSubstr("ulimit -f"));
+}
+
 // A hundred thousand distributions took five minutes, and a list of as many numbers made as many load steps.
 TEST(HostileFiles, LongListsAreRefusedAtOnce) {
   const ScratchFolder folder;

@@ -88,7 +88,7 @@ TEST_F(Cache, AForkLeavesTheFolderToItsParent) {
 struct Left {
   const char* name;
   std::string kernel;  ///< under which the process ran
-  int hours;           ///< since the last change
+  int minutes;         ///< since the last change
   bool removed;
 };
 class LeftFolder : public Cache, public testing::WithParamInterface<Left> {};
@@ -97,16 +97,16 @@ class LeftFolder : public Cache, public testing::WithParamInterface<Left> {};
 TEST_P(LeftFolder, GoesWhereItsProcessCannotLive) {
   const fs::path left = folder_ / ("process." + GetParam().kernel + ".1.abcdef");
   fs::create_directories(left / "AB/PROGRAM");
-  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(GetParam().hours));
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::minutes(GetParam().minutes));
   const CompileCache cache(folder());
   EXPECT_EQ(fs::exists(left), !GetParam().removed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LeftFolder,
                          testing::Values(Left{"this_kernel_now", running_kernel(), 0, false},
-                                         Left{"this_kernel_earlier", running_kernel(), 2, true},
-                                         Left{"another_kernel_earlier", "0123456789abcdef", 2, false},
-                                         Left{"another_kernel_long_ago", "0123456789abcdef", 25, true}),
+                                         Left{"this_kernel_earlier", running_kernel(), 1, true},
+                                         Left{"another_kernel_earlier", "0123456789abcdef", 120, false},
+                                         Left{"another_kernel_long_ago", "0123456789abcdef", 1500, true}),
                          [](const auto& info) { return info.param.name; });
 
 TEST_F(Cache, LeavesTheFolderOfALivingProcess) {

@@ -383,6 +383,22 @@ TEST(Executor, WidthsMayGrowOnAllThreads) {
   other.join();
 }
 
+// In the place of a GPU PoCL compiles a kernel for each ragged end, and aborts where another thread launches it then.
+TEST(Executor, RaggedEndsMayBeNewOnAllThreads) {
+  const Device gpu = device("basic").as_gpu();
+  const Program built = program(gpu);
+  const auto ragged_runs = [&](std::size_t first) {
+    Executor executor(gpu);
+    for (std::size_t groups = first; groups < 192; groups += 23) {
+      const Marks marks(gpu, groups);
+      executor.run(built, "mark", groups, marks.bind());
+      EXPECT_EQ(marks.done(), groups);
+    }
+  };
+  const std::jthread one(ragged_runs, 65), two(ragged_runs, 70);
+  ragged_runs(75);
+}
+
 TEST(Executor, ThreadsFromTheEnvironment) {
   setenv("TACTEL_THREADS", "3", 1);
   EXPECT_EQ(Executor(device()).threads(), 3);

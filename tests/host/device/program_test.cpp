@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -15,6 +16,7 @@
 
 #include "host/device/buffer.h"
 #include "host/device/opencl.h"
+#include "host/support/stop_scope.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {
@@ -111,6 +113,22 @@ TEST(Program, TheLogSinkHearsThatItIsCompiledAndWhenThatIsOver) {
     }
   });
   EXPECT_EQ(heard, (Heard{compiling, ""}));  // the second context takes it from the cache
+}
+
+TEST(Program, AStopLeavesItsCompilationBehind) {
+  static std::atomic<bool> compiles = false;
+  const Device watched("basic", [](LogLevel level, std::string_view message) {
+    if (level == LogLevel::busy && message.starts_with("compiling")) compiles = true;
+  });
+  const auto build = [&, source = new_text()] {
+    return Program::from_text(watched, "scale.cl", source, {{"FACTOR", "2"}});
+  };
+  {
+    const StopScope::Asked asked = [] { return compiles.load(); };
+    const StopScope scope(&asked);
+    EXPECT_THROW(build(), Stopped);
+  }
+  EXPECT_TRUE(build().takes_group("scale"));
 }
 
 // A failed build is tried again.

@@ -136,6 +136,15 @@ TEST_F(CsvFile, ALastLineWithoutItsEndIsLeftOut) {
 }
 
 // As fast as it is taken, or at its times.
+// So that a signal is heard: whoever reads is asked again and again whether to go on.
+TEST_F(CsvFile, BlankLinesAreReadAPartAtATime) {
+  CsvSource source(folder_.write("a.csv", std::string(8 << 20, '\n') + "1,2\n"), 2, false);
+  EXPECT_FALSE(source.wait(1));
+  EXPECT_LE(source.counts().bytes, 2u << 20);
+  EXPECT_FALSE(source.finished());
+  EXPECT_EQ(read(source, 2).values, (Values{{1, 2}}));
+}
+
 TEST_F(CsvFile, PacedGivesItsTimesAsThePace) {
   const std::string path = folder_.write("a.csv", "time,a\n100,1\n100.1,2\n100.3,3\n");
   for (const bool paced : {false, true}) {

@@ -27,7 +27,8 @@ struct StepAnswer {
 };
 
 /// `count` contacts with one pad. Objects are shapes with places, or gaps that the caller computes. Every function
-/// throws InputError for arrays of a wrong size, HardwareError where the device fails. Not for several threads at once.
+/// throws InputError for arrays of a wrong size, HardwareError where the device fails. A step that a CancelScope ends
+/// leaves all contacts as they were. Not for several threads at once.
 class TACTEL_API PadStepper {
  public:
   /// `friction` [count], or one for all.
@@ -57,8 +58,9 @@ class TACTEL_API PadStepper {
   const StepAnswer& move(std::span<const double> pose, bool travel = true);
   /// Steps to the gaps, with the motion along the pad since the last step, [count, 3] x, y, twist.
   const StepAnswer& move_by(std::span<const double> motion);
-  /// Steps by wrench [count, 4]: P, Qx, Qy, M; finds the pose. P <= 0: open.
-  const StepAnswer& press(std::span<const double> wrench);
+  /// Steps by wrench [count, 4]: P, Qx, Qy, M; finds the pose. P <= 0: open. Contacts where the mask [count] is 0 stay
+  /// as they are, with their last answers; empty: all step.
+  const StepAnswer& press(std::span<const double> wrench, std::span<const std::uint8_t> mask = {});
 
   const StepAnswer& answer() const;  ///< of the last step
   /// Frames of the last step, [count, 3, tactels] MPa: sigma_z, tau_x, tau_y, tactels with x fastest. In fp32 on a

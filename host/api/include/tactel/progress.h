@@ -3,6 +3,7 @@
 #include <tactel/error.h>
 
 #include <cstdint>
+#include <functional>
 
 namespace tactel {
 
@@ -25,7 +26,21 @@ class ProgressFunction {
   bool (*call_)(const void*, std::uint64_t, std::uint64_t) = nullptr;
 };
 
-/// Thrown where a progress function cancelled.
+/// While it lives, long calls of this library that its thread makes end by Cancelled soon after `asked` returns true.
+/// Threads that help them call it, too. Of two scopes the inner one counts.
+class TACTEL_API CancelScope {
+ public:
+  explicit CancelScope(std::function<bool()> asked);
+  ~CancelScope();
+  CancelScope(const CancelScope&) = delete;
+  CancelScope& operator=(const CancelScope&) = delete;
+
+ private:
+  struct State;
+  State* state_;
+};
+
+/// Thrown where a progress function or a CancelScope cancelled.
 class TACTEL_API Cancelled : public Error {
  public:
   using Error::Error;

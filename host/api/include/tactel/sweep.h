@@ -81,6 +81,7 @@ class TACTEL_API Sweep {
   Sweep(Sweep&&) noexcept;
   Sweep& operator=(Sweep&&) noexcept;
 
+  std::string text() const;        ///< of the file
   std::uint64_t contacts() const;  ///< as the file says
   bool endless() const;            ///< whether contacts beyond contacts() exist: drawn ones, not listed ones
   std::uint64_t seed() const;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tactel {
@@ -77,6 +78,8 @@ class TACTEL_API Network {
   static Network from_layers(const std::vector<DenseLayer>& layers, const InputOptions& inputs = {});
   /// Reads a network file that tactel wrote. Throws InputError.
   static Network load(const std::string& path);
+  /// The same from what onnx() returns.
+  static Network parse(std::string_view bytes);
   ~Network();
   Network(const Network&);
   Network& operator=(const Network&);
