@@ -146,7 +146,7 @@ void add_import_network_command(CLI::App& app, Action& action) {
       ->type_name("K[:STRIDE]");
   command->add_option("--history-change", request->history_change, "as of tactel train (default: 0.1)");
   command->add_option("--target", request->target, "what it answers, as of tactel train")
-      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid"}))
+      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"}))
       ->capture_default_str();
   command->footer("Exit codes: 0 done, 2 wrong input, 4 other answers than the network's own.");
   command->callback([request, &action] { action = [request] { return run_import(*request); }; });

@@ -323,7 +323,7 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
   if (request.view && moved)
     throw ConfigError("command line", "--view", "", "left out with --signal moved: it shows S");
   const nn::Target target = none ? nn::Target::slip_index : networks.front().target;
-  const bool alarms = moved || target == nn::Target::slip_index || target == nn::Target::slid;
+  const bool alarms = moved || target == nn::Target::slip_index || nn::is_slide(target);
   if ((request.view && target != nn::Target::slip_index) || (!request.alarm_given.empty() && !alarms))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
@@ -349,7 +349,7 @@ std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn:
       throw ConfigError("command line", "--alarm", given, "a number above 0 and below 0.5 with --signal moved");
     return number;
   }
-  if (!moved && (networks.empty() || networks.front().target != nn::Target::slid)) return default_alarm;
+  if (!moved && (networks.empty() || !nn::is_slide(networks.front().target))) return default_alarm;
   if (const double of_hold = moved ? calibration.moved : calibration.slid; of_hold > 0)
     return static_cast<float>(of_hold);
   if (!moved && networks.front().learnt.alarm_at > 0) return networks.front().learnt.alarm_at;
@@ -386,7 +386,7 @@ int run_monitor(MonitorRequest request) {
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
   options.ignore_unlike = request.unlike == "ignore";
-  if (target == nn::Target::slip_index || target == nn::Target::slid) options.true_slip_index = opened.true_slip_index;
+  if (target == nn::Target::slip_index || nn::is_slide(target)) options.true_slip_index = opened.true_slip_index;
   if ((request.alarm || options.rest) && !touch_known && opened.profile.map.calibration.has_zero)
     throw ConfigError("command line", request.alarm ? "--alarm" : "--rest",
                       request.alarm ? fmt::format("{}", *request.alarm) : "",
@@ -408,7 +408,7 @@ int run_monitor(MonitorRequest request) {
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
-  const char* const name = networks.empty() ? nullptr : nn::name(target);
+  const char* const name = networks.empty() ? nullptr : nn::is_slide(target) ? "slid" : nn::name(target);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(request.seconds);
   std::vector<std::string> later;
