@@ -79,7 +79,7 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
   }
 }
 
-/* Adds the slide of this increment, in which no cell sticks that touches. */
+/* Adds the slide of this increment; to `slid` where no cell sticks that touches. */
 static void add_slide(const Influence *influence, const Cells *c, State *s) {
   EACH_VECTOR(v) {
     vreal sticking = 0;
@@ -88,7 +88,9 @@ static void add_slide(const Influence *influence, const Cells *c, State *s) {
       const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n;
       sticking += PICK((n > 0) & (fma(x, x, y * y) < cone * cone), ALL_LANES(1), ALL_LANES(0));
     }
-    s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), rms_slide(influence, c, v));
+    const vreal slide = rms_slide(influence, c, v);
+    s->slip_path.v[v] += slide;
+    s->slid.v[v] += PICK(sticking > 0, ALL_LANES(0), slide);
   }
 }
 
@@ -201,6 +203,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_ACROSS] = PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
     to[PAD_RESULT_SLID] = s->slid.v[v] * H;
+    to[PAD_RESULT_SLIP_PATH] = s->slip_path.v[v] * H;
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
@@ -270,7 +273,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
     s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
     s.power.v[v] = (real)1.5;
-    s.trial_sweeps.v[v] = s.slid.v[v] = 0;
+    s.trial_sweeps.v[v] = s.slid.v[v] = s.slip_path.v[v] = 0;
     s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence->root_tt / influence->root_zz);
     s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
     s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));

@@ -3,20 +3,21 @@
    simulator, which knows the next pose or wrench only then. A contact a lane; the laws, the sweeps and their rules are
    those of kernels/pad_contact.cl, in the same code: the increments of a path, one a launch, have the bits of the path.
 
-   - Cells are fixed to the pad, CELLS x CELLS of one size about its middle; all contacts share one table. Heights come
+   - Cells are fixed to the pad, CELLS x CELLS_Y of one size about its middle; all contacts share one table. Heights come
      anew with each step. What the object does to the friction is its motion alone: heights that travel do not drag.
    - A cell that the object covers in part, by the share f, has the compliance 1 / f - 1 of its own beside that of the
      table, over that of a cell on itself; a row of a sweep is divided by the sum of both.
    - By motion: `input` has the pose after the step. By wrench: it has the wrench, and the kernel finds the pose
      (kernels/pad/pose_search.h). A contact whose wrench is met, and whose heights are the same, keeps its bits.
+   - Numbers that are no input, or lie beyond STEP_MOST_DEPTH and its like, leave a contact as it was (STEP_INVALID).
    - A step whose wrench is not met in most_solves poses, or whose residual is not accepted, has the flag STEP_UNMET;
      it counts all the same, as far as it came.
 
    A lane's result depends on nothing but the lane, as there.
 
-   Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, and DENSE (0 | 1): with a table of all pairs of
-   cells, where what a cell does depends on its place. */
-// defines: CELLS=8 VECTORS=1 DENSE=1
+   Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, CELLS_Y, and DENSE (0 | 1): with a table of all
+   pairs of cells, where what a cell does depends on its place. */
+// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1
 #define STEPPED 1
 #define OWN_TABLES 0
 #include "pad/nearby.h"
@@ -37,10 +38,20 @@ static vreal mark_of(global const vreal *heights, global const vreal *soft, vrea
   return TO_VREAL(mark & 0xffffff);
 }
 
+/* Whether the pose or the wrench asked for is one. `deep` takes poses below the rubber. */
+static vint is_target(global const vreal *in, vreal lowest, int by_wrench, vint *deep) {
+  const real most = by_wrench ? (real)STEP_MOST_FORCE : (real)STEP_MOST_WAY;
+  vint within = fabs(in[STEP_TO + 1]) <= most;
+  within &= fabs(in[STEP_TO + 2]) <= most;
+  within &= fabs(in[STEP_TO + 3]) <= most;
+  *deep = by_wrench ? (vint)0 : in[STEP_TO] - lowest > (real)STEP_MOST_DEPTH;
+  return within & (by_wrench ? fabs(in[STEP_TO]) <= most : NOT(*deep));
+}
+
 /* Lanes whose input is finite and sensible, their lowest heights, and where they were. */
 static void load_numbers(const Influence *influence, global const vreal *input, global const vreal *heights,
-                         global const vreal *soft, global const vreal *state, State *s) {
-  s->half_size = (real)0.5 * CELLS * fmax(influence->hx, influence->hy);
+                         global const vreal *soft, global const vreal *state, int by_wrench, State *s) {
+  s->half_size = (real)0.5 * fmax(CELLS * influence->hx, CELLS_Y * influence->hy);
   EACH_VECTOR(v) {
     global const vreal *in = input + v * STEP_INPUT_ROWS, *own = state + v * STATE_ROWS + STEP_FIELDS * COUNT;
     vreal sum = 0, lowest = PAD_OPEN;
@@ -52,6 +63,8 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
       sensible &= e >= 0;
       lowest = SMALLER(h, lowest);
     }
+    sensible &= (LARGER(fabs(in[STEP_AXIS_X]), fabs(in[STEP_AXIS_Y])) <= (real)STEP_MOST_WAY) | (lowest >= PAD_OPEN);
+    sensible &= is_target(in, lowest, by_wrench, &s->below.v[v]);
     const vint valid = (sum == 0) & sensible;
     s->valid.v[v] = s->running.v[v] = valid;
     s->lowest.v[v] = PICK(valid, lowest, ALL_LANES(PAD_OPEN));
@@ -143,19 +156,46 @@ static void store(global const vreal *input, global const vreal *heights, global
 #undef KEEP
 }
 
-/* Whether an outermost cell presses. */
-static vint at_edge(const Cells *c, int v) {
+/* Whether an outermost cell presses at one of the sides -x, +x, -y, +y (1, 2, 4, 8). */
+static vint at_edge(const Cells *c, int sides, int v) {
   vint edge = 0;
   for (int k = 0; k < c->listed; ++k) {
-    const int i = c->list[k], x = i / CELLS, y = i % CELLS;
-    if (x == 0 || y == 0 || x == CELLS - 1 || y == CELLS - 1) edge |= c->n[i].v[v] > 0;
+    const int i = c->list[k], x = i / CELLS_Y, y = i % CELLS_Y;
+    const int at = (x == 0 ? 1 : 0) + (x == CELLS - 1 ? 2 : 0) + (y == 0 ? 4 : 0) + (y == CELLS_Y - 1 ? 8 : 0);
+    if (at & sides) edge |= c->n[i].v[v] > 0;
   }
   return edge;
 }
 
+/* Whether a contact is deeper than the linear model holds. */
+static vint is_deep(global const vreal *heights, const Cells *c, const State *s, vreal touch, int v) {
+  vreal flat = 0;
+  for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    flat +=
+        PICK((c->n[i].v[v] > 0) & (HEIGHT(heights, v, i) < (real)STEP_FLAT * s->d.v[v]), ALL_LANES(1), ALL_LANES(0));
+  }
+  const vreal limit =
+      PICK((touch > 4) & (2 * flat >= touch), ALL_LANES((real)STEP_DEEP_FACE), ALL_LANES((real)STEP_DEEP_CURVED));
+  return ((touch > 0) & (s->d.v[v] - s->lowest.v[v] >= limit * (real)(1 - 1e-6))) | s->below.v[v];
+}
+
+/* Sums of flags of where the object is. */
+static vreal place_flags(global const vreal *in, global const vreal *heights, real reach, int sides, int by_wrench,
+                         const Cells *c, const State *s, vreal touch, int v) {
+  const vreal beyond = in[STEP_BEYOND], d = s->d.v[v], over = LARGER(d - s->lowest.v[v], ALL_LANES((real)1e-6));
+  const vint known = beyond >= 0, unseen = by_wrench ? (in[STEP_TO] > 0) & (s->lowest.v[v] >= PAD_OPEN) : (vint)0;
+  const vint edge = at_edge(c, sides, v) & (NOT(known) | (beyond - d < reach * over)),
+             reaches = known & (beyond < PAD_OPEN) & ((d > beyond) | unseen);
+  return PICK(edge, ALL_LANES(STEP_EDGE), ALL_LANES(0)) + PICK(reaches, ALL_LANES(STEP_REACH), ALL_LANES(0)) +
+         PICK(is_deep(heights, c, s, touch, v), ALL_LANES(STEP_DEEP), ALL_LANES(0)) +
+         PICK(s->valid.v[v], ALL_LANES(0), ALL_LANES(STEP_INVALID));
+}
+
 /* Rows of `result` of all lanes. */
-OUTLINE void answer(const Influence *influence, real accept, real force, real thickness, const Cells *c, const State *s,
-                    const Search *w, int by_wrench, size_t first_lane, global real *result) {
+OUTLINE void answer(const Influence *influence, global const vreal *input, global const vreal *heights, real accept,
+                    real force, real thickness, real reach, int sides, const Cells *c, const State *s, const Search *w,
+                    int by_wrench, size_t first_lane, global real *result) {
   Totals f;
   Residual r;
   totals(influence, c, s, &f);
@@ -184,8 +224,8 @@ OUTLINE void answer(const Influence *influence, real accept, real force, real th
     rows[STEP_RESULT_TOUCH] = touch;
     rows[STEP_RESULT_FLAGS] =
         PICK(touch == 0, ALL_LANES(STEP_OPEN), ALL_LANES(0)) + PICK(slides, ALL_LANES(STEP_SLIDES), ALL_LANES(0)) +
-        PICK(unmet, ALL_LANES(STEP_UNMET), ALL_LANES(0)) + PICK(at_edge(c, v), ALL_LANES(STEP_EDGE), ALL_LANES(0)) +
-        PICK(s->valid.v[v], ALL_LANES(0), ALL_LANES(STEP_INVALID));
+        PICK(unmet, ALL_LANES(STEP_UNMET), ALL_LANES(0)) +
+        place_flags(input + v * STEP_INPUT_ROWS, heights, reach, sides, by_wrench, c, s, touch, v);
     rows[STEP_RESULT_SOLVES] = by_wrench ? w->solves.v[v] : PICK(s->sweeps.v[v] > 0, ALL_LANES(1), ALL_LANES(0));
     rows[STEP_RESULT_SWEEPS] = s->sweeps.v[v];
     rows[STEP_RESULT_RESIDUAL] = worst;
@@ -198,19 +238,21 @@ OUTLINE void answer(const Influence *influence, real accept, real force, real th
   }
 }
 
-/* table [PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], DENSE [PAD_TABLE_HEAD + cells cells PAD_PAIR]; heights, soft [group][vector][cells][lane]: over H, the lowest
-   of a lane is where its depth counts from, PAD_OPEN where there is no object; 1 / f - 1. The other arrays are as
-   kernels/shared/pad_step_layout.h has them. kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near
-   up to that part of the depth above it; travel: the longest motion of a solve along the pad. */
+/* table [PAD_TABLE_HEAD + (2 CELLS + 1) (2 CELLS_Y + 1) PAD_INFLUENCE], DENSE [PAD_TABLE_HEAD + cells cells PAD_PAIR];
+   heights, soft [group][vector][cells][lane]: over H, above the object's lowest point, where its depth counts from,
+   PAD_OPEN where there is no object; 1 / f - 1. The other arrays are as kernels/shared/pad_step_layout.h has them.
+   kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near up to that part of the depth above it;
+   travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
+   +y. */
 kernel void pad_step(uint first_group, global const real *table, global const vreal *input, global const vreal *heights,
                      global const vreal *soft, int by_wrench, real kt, real kr, real force, real thickness,
                      real tolerance, real accept, real force_tolerance, int most_sweeps, int most_solves, real reach,
-                     real travel, global vreal *state, global real *result) {
+                     real travel, int sides, global vreal *state, global real *result) {
   TAKE_GROUP(group);
 #if DENSE
   global const real *entries = table + PAD_TABLE_HEAD;
 #else
-  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
+  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS_Y);
 #endif
   const Influence influence = {entries, table[PAD_ROOT_ZZ], table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
   const Stiffness stiff = {kt, kr};
@@ -225,7 +267,7 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
   Search search;
   Target target;
   Lanes missing[3];
-  load_numbers(&influence, input, heights, soft, state, &s);
+  load_numbers(&influence, input, heights, soft, state, by_wrench, &s);
   load_cells(&influence, soft, state, &s, &c);
   list_pressing(&c);
   if (by_wrench) {
@@ -234,7 +276,7 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
   } else {
     EACH_VECTOR(v) {
       global const vreal *to = input + v * STEP_INPUT_ROWS + STEP_TO;
-      target.normal.v[v] = to[0];
+      target.normal.v[v] = LARGER(to[0], ALL_LANES((real)-STEP_MOST_WAY));
       target.x.v[v] = to[1];
       target.y.v[v] = to[2];
       target.twist.v[v] = to[3];
@@ -262,7 +304,8 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
       next_pose(&influence, heights, state, STATE_ROWS, reach, force_tolerance, most_solves, travel, &c, &s, &search);
     refine(&influence, &solving, accept, &c, &s);
   } while (any_of(&s.active));
-  answer(&influence, accept, force, thickness, &c, &s, &search, by_wrench, vector * LANES, result);
+  answer(&influence, input, heights, accept, force, thickness, reach, sides, &c, &s, &search, by_wrench, vector * LANES,
+         result);
   remember(&c, &s);
   store(input, heights, soft, &c, &s, &search, by_wrench, missing, state);
 }

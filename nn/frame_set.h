@@ -21,7 +21,7 @@ struct FrameSet {
   std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
   std::vector<float> friction{};            ///< [rows] or empty: mu
   std::vector<float> slip{};                ///< [rows] or empty: S, which rests are chosen by
-  std::vector<float> slid{};                ///< [rows] or empty: distance slid since first touch over the elastic limit
+  std::vector<float> slid{};                ///< [rows] or empty: of a slide, its distance since first touch
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
   int told = 0;                             ///< numbers behind these frames that are no stresses (with_history)
@@ -67,7 +67,7 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
 ///
 /// With a rest, each row has the frame of an earlier row of its contact behind them, as a grip may rest at any load: by
 /// the first of noise_words(contact, step) one of those with |S| < most_slip_at_rest and half to twice its P; its own
-/// frame where there is none. Where the set has `slid`, `slip_index` becomes Target::slid since that row. Throws
+/// frame where there is none. Where the set has `slid`, `slip_index` becomes that slide since that row. Throws
 /// ValueError, key "scaling", for a set without contact, step or S.
 ///
 /// With friction, each row ends with mu and its relative deviation as told: mu exp(spread n), n a normal number.
@@ -78,7 +78,7 @@ FrameSet with_history(const FrameSet& set, const InputHistory& history, std::opt
 inline constexpr float most_slip_at_rest = 0.9f;
 inline constexpr double least_told = 0.02, most_told = 1;
 
-/// Returns Target::slid of a distance over the elastic limit.
+/// Returns the target of a slide of this distance over the elastic limit.
 inline float slid_target(float distance) { return distance / (1 + distance); }
 
 /// Replaces every frame behind the newest by its difference to the newest. frames: [rows, history * 2 tactels].

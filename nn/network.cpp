@@ -60,14 +60,24 @@ const char* name(Target target) {
       return "stick_fraction";
     case Target::slid:
       return "slid";
+    case Target::slip_path:
+      return "slip_path";
   }
   return "unknown";
 }
 
 Target parse_target(std::string_view text) {
-  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid})
+  for (const Target target :
+       {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid, Target::slip_path})
     if (text == name(target)) return target;
-  throw ValueError("target", std::string(text), "slip_index, force_ratio, stick_fraction or slid");
+  throw ValueError("target", std::string(text), "slip_index, force_ratio, stick_fraction, slid or slip_path");
+}
+
+const char* definition(Target target) {
+  return target == Target::slid ? "D / (1 + D), D: slide of the contact as a whole since rest over its elastic limit"
+         : target == Target::slip_path
+             ? "D / (1 + D), D: rms slips of its cells since rest, summed, over its elastic limit"
+             : "";
 }
 
 void InputScaling::validate() const {

@@ -93,8 +93,13 @@ struct InputScaling {
 };
 
 /// What a network estimates: a column of its learning set.
-/// `slid`: D / (1 + D) of the distance D that the contact slid since the input's rest, over its elastic limit.
-enum class Target { slip_index, force_ratio, stick_fraction, slid };
+/// `slid` and `slip_path`: D / (1 + D) of a distance D since the input's rest over the contact's elastic limit: that of
+/// the slide of the contact as a whole, or of its cells' rms slips, summed.
+enum class Target { slip_index, force_ratio, stick_fraction, slid, slip_path };
+
+inline bool is_slide(Target target) { return target == Target::slid || target == Target::slip_path; }
+/// Returns what the distance of a slide is, as files of networks state it; empty of other targets.
+const char* definition(Target target);
 
 /// Returns the name of the column, which is also that of the output in the network's file.
 const char* name(Target target);
@@ -173,7 +178,7 @@ struct Learnt {
   /// second.
   float smallest_peak = 0, largest_peak = 0;
   float least_friction = 0, most_friction = 0;  ///< mu
-  float alarm_at = 0;                           ///< of Target::slid: threshold of an alarm, as the user gave it
+  float alarm_at = 0;                           ///< of a slide: threshold of an alarm, as the user gave it
 
   /// Returns whether one of the normal stresses [count] MPa is far beyond all that was learnt. A set of other shapes
   /// and depths has peaks of a few times; another unit is at least 1000 times. NaN is not.

@@ -39,7 +39,7 @@ def simulated(folder):
                          .replace("seed = 9", f"seed = {77 + k}"))
         run("generate", sweep, "--output", made, "--rung", "pad-8")
         with h5py.File(made) as set_file:
-            parts.append({name: set_file[name][...] for name in ("inputs", "contact", "step", "slid", "slip_index", "friction", "status")})
+            parts.append({name: set_file[name][...] for name in ("inputs", "contact", "step", "slip_path", "slip_index", "friction", "status")})
         parts[-1]["rms"] = np.full(len(parts[-1]["contact"]), rms)
         parts[-1]["contact"] = parts[-1]["contact"] + k * options.grips
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -57,7 +57,7 @@ _, first = np.unique(rows["contact"], return_index=True)
 lengths = np.diff(np.r_[first, len(rows["contact"])])
 rest = np.repeat([a + np.searchsorted(rows["step"][a:a + n], REST) for a, n in zip(first, lengths)], lengths)
 after = np.arange(len(rest)) >= rest
-step = np.where(after & (np.arange(len(rest)) > rest), np.diff(rows["slid"], prepend=0), 0)  # elastic limits
+step = np.where(after & (np.arange(len(rest)) > rest), np.diff(rows["slip_path"], prepend=0), 0)  # elastic limits
 ways = np.cumsum(np.where(rows["status"] == 1, step, 0))
 way = ways - ways[rest]  # while no cell sticks; no cell holds a grip then
 at_rest, change = rows["inputs"][rest], rows["inputs"] - rows["inputs"][rest]

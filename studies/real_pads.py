@@ -33,7 +33,7 @@ GAIN = 1e-5  # MPa a count of z, assumed: the network divides each frame by its 
 RUBBER = {"thickness": 4.0, "young": 0.5, "poisson": 0.48}  # mm, MPa: assumed, as in examples/uskin_4x4.toml
 ALARM = 0.8  # upper bound of S at which the alarm begins: the default of monitor --view
 TOPOLOGY, EPOCHS, SEEDS = "48-96-48-1", 20, 4
-SLID = ("--network", "48-96-48-1_leaky-relu", "--scaling", "rest", "--target", "slid", "--schedule", "cosine", "--epochs", 30, "--batch",
+SLID = ("--network", "48-96-48-1_leaky-relu", "--scaling", "rest", "--target", "slip_path", "--schedule", "cosine", "--epochs", 30, "--batch",
         512, "--noise", 0.006)  # as scripts/networks
 PADS = ("--profile", "uskin-4x4") * 2
 MARGIN = 1.2  # threshold over the largest score in the recorded hold

@@ -10,7 +10,7 @@
 namespace tactel::fem {
 
 /// n x n equal cells on the part of the surface that an indenter touches, in the indenter's own frame. Cell (i, j), i
-/// along x, j along y, has index i n + j.
+/// along x, j along y, has index i ny() + j.
 struct PadCells {
   int n = 0;
   double hx = 0, hy = 0;              ///< mm, sides of a cell
@@ -20,16 +20,19 @@ struct PadCells {
   // On a pad with free sides alone:
   double turn = 0;      ///< degrees: the frame of the cells, from the indenter's own
   bool shared = false;  ///< sharp edges of the indenter run through cells, which touch by the share that is covered
+  // Of cells fixed to the pad alone:
+  int along_y = 0;  ///< their number along y; 0: n, as along x
 
-  int count() const { return n * n; }
+  int ny() const { return along_y > 0 ? along_y : n; }
+  int count() const { return n * ny(); }
   double x(int i) const { return x_middle + (i - (n - 1) / 2.0) * hx; }
-  double y(int j) const { return y_middle + (j - (n - 1) / 2.0) * hy; }
+  double y(int j) const { return y_middle + (j - (ny() - 1) / 2.0) * hy; }
   /// Degrees: the frame of the cells on the pad.
   double frame(const PadIndenter& indenter) const { return indenter.yaw + turn; }
   double area() const { return hx * hy; }
-  double half_size() const { return n * std::max(hx, hy) / 2; }  ///< mm: the lever that turns a twist into a path
+  double half_size() const { return std::max(n * hx, ny() * hy) / 2; }  ///< mm: the lever of twists
   PadBox box() const {
-    return {{x_middle - n * hx / 2, x_middle + n * hx / 2}, {y_middle - n * hy / 2, y_middle + n * hy / 2}};
+    return {{x_middle - n * hx / 2, x_middle + n * hx / 2}, {y_middle - ny() * hy / 2, y_middle + ny() * hy / 2}};
   }
   bool allowed(int i, int j) const;  ///< the indenter may touch the cell; i and j from -1 to n
 };

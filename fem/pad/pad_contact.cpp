@@ -91,7 +91,7 @@ Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
   for (int jx = 0; jx < cells_.n; ++jx) {
     const auto [first, end] = columns_[jx];
     if (first == end) continue;
-    const Eigen::Index from = c.at(jx - ix, first - iy), own = jx * cells_.n + first;
+    const Eigen::Index from = c.at(jx - ix, first - iy), own = jx * cells_.ny() + first;
     add_products(&c.xx[from], &c.yy[from], &c.zz[from], &c.xy[from], &c.xz[from], &c.yz[from], &n_[own], &t_(own, 0),
                  &t_(own, 1), end - first, u.data());
   }
@@ -100,7 +100,7 @@ Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
 
 /// With what the cell gives way on its own.
 Eigen::Vector3d PadContact::displacement_of_cell(int i) const {
-  Eigen::Vector3d u = displacement(i / cells_.n, i % cells_.n);
+  Eigen::Vector3d u = displacement(i / cells_.ny(), i % cells_.ny());
   const double along = softness(i) * (table_ ? table_->own_tangential(i) : influence_->own_tangential),
                across = softness(i) * (table_ ? table_->own_normal(i) : influence_->own_normal);
   u += Eigen::Vector3d(along * t_(i, 0), along * t_(i, 1), -across * n_[i]);
@@ -117,7 +117,7 @@ Eigen::Vector3d PadContact::displacement_by_table(int ix, int iy) const {
   for (int jx = 0; jx < cells_.n; ++jx) {
     const auto [first, end] = columns_[jx];
     if (first == end) continue;
-    const Eigen::Index own = jx * cells_.n + first;
+    const Eigen::Index own = jx * cells_.ny() + first;
     const double* rows[9];
     for (int k = 0; k < 9; ++k) rows[k] = table_->row(ix, iy, k / 3, k % 3) + own;
     add_table_products(rows, &n_[own], &t_(own, 0), &t_(own, 1), end - first, u.data());
@@ -128,7 +128,7 @@ Eigen::Vector3d PadContact::displacement_by_table(int ix, int iy) const {
 /// How far the indenter has moved at a cell since `from`.
 Eigen::Vector2d PadContact::path(Eigen::Index i, const PadMotion& from) const {
   const PadMotion change = motion - from;
-  const int ix = static_cast<int>(i) / cells_.n, iy = static_cast<int>(i) % cells_.n;
+  const int ix = static_cast<int>(i) / cells_.ny(), iy = static_cast<int>(i) % cells_.ny();
   return {change[0] - change[2] * cells_.y(iy), change[1] + change[2] * cells_.x(ix)};
 }
 
@@ -139,8 +139,8 @@ Eigen::RowVector2d PadContact::slip(Eigen::Index i) const {
 
 void PadContact::activate(Eigen::Index i) {
   active_[i] = 1;
-  const int iy = static_cast<int>(i) % cells_.n;
-  auto& [first, end] = columns_[i / cells_.n];
+  const int iy = static_cast<int>(i) % cells_.ny();
+  auto& [first, end] = columns_[i / cells_.ny()];
   if (first == end) first = iy, end = iy + 1;
   first = std::min(first, iy);
   end = std::max(end, iy + 1);
@@ -160,7 +160,7 @@ void PadContact::extrapolate(double ratio) {
   for (int i = 0; i < cells_.count(); ++i) {
     if (!touches) n_[i] = 0;
     to_cone(t_.row(i), mu_ * n_[i]);
-    const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
+    const double gap = height_(i / cells_.ny() + 1, i % cells_.ny() + 1) - depth - u_(i, 2);
     if (n_[i] > 0 || (touches && gap < 0)) activate(i);
   }
 }
@@ -179,7 +179,7 @@ double PadContact::sweep(double w) {
     const Eigen::Vector3d u = displacement_of_cell(i);
     const double whole = 1 + softness(i);  // compliance of the cell over that of a covered one
     const double n =
-        std::max(0.0, n_[i] + per_n / whole * (u[2] - (height_(i / cells_.n + 1, i % cells_.n + 1) - depth)));
+        std::max(0.0, n_[i] + per_n / whole * (u[2] - (height_(i / cells_.ny() + 1, i % cells_.ny() + 1) - depth)));
     const Eigen::Vector2d goal = stick_.row(i).transpose() + path(i, motion_last_);
     Eigen::RowVector2d t = t_.row(i) + per_t / whole * (goal - u.head<2>()).transpose();
     to_cone(t, mu_ * n);
@@ -196,7 +196,7 @@ bool PadContact::widen() {
   bool more = false;
   for (int i = 0; i < cells_.count(); ++i) u_.row(i) = displacement_of_cell(i);
   for (int i = 0; i < cells_.count(); ++i) {
-    const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
+    const double gap = height_(i / cells_.ny() + 1, i % cells_.ny() + 1) - depth - u_(i, 2);
     if (active_[i] || !(gap < -tolerance_ * depth)) continue;
     activate(i);
     more = true;
@@ -236,7 +236,7 @@ PadResidual PadContact::residual_of_cells() const {
                moved = std::max(0.1 * depth, (motion - motion_last_).head<2>().norm() +
                                                  std::abs(motion[2] - motion_last_[2]) * cells_.half_size());
   for (int i = 0; i < cells_.count(); ++i) {
-    const double h = height_(i / cells_.n + 1, i % cells_.n + 1), gap = (h - depth - u_(i, 2)) / depth;
+    const double h = height_(i / cells_.ny() + 1, i % cells_.ny() + 1), gap = (h - depth - u_(i, 2)) / depth;
     if (!std::isfinite(h)) continue;
     r.penetration = std::max(r.penetration, -gap);
     if (!(n_[i] > 0)) continue;
@@ -254,19 +254,19 @@ PadResidual PadContact::residual_of_cells() const {
 
 PadResidual PadContact::residual(std::array<bool, 4>& outside) const {
   PadResidual r = residual_of_cells();
-  const int size = cells_.n;
-  for (int ix = -1; ix <= size; ++ix)
-    for (int iy = -1; iy <= size; ++iy) {
+  const int nx = cells_.n, ny = cells_.ny();
+  for (int ix = -1; ix <= nx; ++ix)
+    for (int iy = -1; iy <= ny; ++iy) {
       const double h = height_(ix + 1, iy + 1);
-      const bool in_ring = ix < 0 || iy < 0 || ix == size || iy == size;
+      const bool in_ring = ix < 0 || iy < 0 || ix == nx || iy == ny;
       if (!in_ring || !(depth > 0) || !std::isfinite(h)) continue;
       const double gap = (h - depth - displacement(ix, iy)[2]) / depth;
       r.penetration = std::max(r.penetration, -gap);
       const bool beyond = gap < -options_.accepted();
       outside[0] |= beyond && ix < 0;
-      outside[1] |= beyond && ix == size;
+      outside[1] |= beyond && ix == nx;
       outside[2] |= beyond && iy < 0;
-      outside[3] |= beyond && iy == size;
+      outside[3] |= beyond && iy == ny;
     }
   return r;
 }
@@ -283,9 +283,11 @@ double PadContact::slide() const {
 }
 
 void PadContact::add_slide() {
+  const double slide = this->slide();
+  slip_path_ += slide;
   for (int i = 0; i < cells_.count(); ++i)
     if (n_[i] > 0 && sticks(i)) return;
-  slid_ += slide();
+  slid_ += slide;
 }
 
 void PadContact::remember() {

@@ -106,7 +106,7 @@ class PadContact {
 
   /// Returns the rms slide in this increment of the cells that touch, mm, after solve().
   double slide() const;
-  /// Adds slide() to slid() where no cell sticks.
+  /// Adds slide() to slip_path(), and to slid() where no cell sticks.
   void add_slide();
 
   /// Ends an increment. A sticking cell counts as having followed the indenter, so that what the tolerance left is made
@@ -118,6 +118,8 @@ class PadContact {
   /// Returns how far the contact has slid as a whole: the sum over the increments without a sticking cell of the rms
   /// slide of the cells that touch, mm.
   double slid() const { return slid_; }
+  /// Returns the sum over all increments of the rms slide of the cells that touch, mm.
+  double slip_path() const { return slip_path_; }
 
  private:
   PadContact(const PadInfluence* influence, const PadTable* table, const PadCells& cells, Eigen::MatrixXd height,
@@ -146,7 +148,7 @@ class PadContact {
   Eigen::MatrixX2d stick_;  ///< mm: where a cell was at the last increment; it sticks from there
   Eigen::MatrixX3d u_;      ///< mm: displacements by fresh sums
   PadMotion motion_last_ = PadMotion::Zero();
-  double slid_ = 0;                          ///< mm
+  double slid_ = 0, slip_path_ = 0;          ///< mm
   std::vector<char> active_;                 ///< [cells] in the window
   std::vector<std::array<int, 2>> columns_;  ///< [n] first and one after last active cell of each column
 };

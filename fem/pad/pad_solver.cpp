@@ -217,7 +217,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   step.Q = turn_ * own_Q.transpose();
   step.M = own_places_.col(0).dot(t.col(1)) - own_places_.col(1).dot(t.col(0));
   if (mu * step.P > 0) {
-    step.slip_index = slip_margin(own_places_, mu * n, {own_Q[0], own_Q[1], step.M});
+    step.slip_index = std::min(1.0, slip_margin(own_places_, mu * n, {own_Q[0], own_Q[1], step.M}));
     step.force_ratio = step.Q.norm() / (mu * step.P);
   }
   int touch = 0, stick = 0;
@@ -229,7 +229,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   }
   step.stick_fraction = touch > 0 ? static_cast<double>(stick) / touch : 0;
   step.slip_distance = contact_.slip_distance();
-  step.slid = contact_.slid();
+  step.slid = contact_.slid(), step.slip_path = contact_.slip_path();
   step.area = touch * cells_.area();
   std::array<int, 4> ends{cells_.n, -1, cells_.n, -1};
   const Eigen::Vector2d half = turn_.cwiseAbs() * Eigen::Vector2d(cells_.hx / 2, cells_.hy / 2);
@@ -387,13 +387,14 @@ Eigen::MatrixXd stress_rows(const PadScene& scene, const PadCells& cells, Add ad
 Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
   const double H = scene.sensor.thickness;
   const bool shared = shares_parts(scene, cells);
+  const int ny = cells.ny(), n = std::max(cells.n, ny);
   return stress_rows(scene, cells, [&](const Eigen::Vector2d& own, double weight, std::vector<PadBaseStress>& sums) {
     std::vector<PadBaseStress> all;
-    if (shared) all = layer.base_stresses(H, cells.hx, cells.hy, cells.n, own[0] - cells.x(0), own[1] - cells.y(0));
+    if (shared) all = layer.base_stresses(H, cells.hx, cells.hy, n, own[0] - cells.x(0), own[1] - cells.y(0));
     for (int i = 0; i < cells.count(); ++i)
-      sums[i] += weight * (shared ? all[i]
-                                  : layer.base_stress(H, cells.hx, cells.hy, own[0] - cells.x(i / cells.n),
-                                                      own[1] - cells.y(i % cells.n)));
+      sums[i] += weight * (shared ? all[i / ny * n + i % ny]
+                                  : layer.base_stress(H, cells.hx, cells.hy, own[0] - cells.x(i / ny),
+                                                      own[1] - cells.y(i % ny)));
   });
 }
 
@@ -408,7 +409,7 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
   };
   std::vector<SideKernel::Shares> shares;
   for (int i = 0; i < cells.count(); ++i) {
-    const Eigen::Vector2d at = on_pad_at(cells.x(i / cells.n), cells.y(i % cells.n));
+    const Eigen::Vector2d at = on_pad_at(cells.x(i / cells.ny()), cells.y(i % cells.ny()));
     shares.push_back(sides.kernel->shares(at[0], at[1]));
   }
   const double H = sides.thickness, scale = cells.area() / (H * H);
@@ -418,7 +419,7 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
     for (int i = 0; i < cells.count(); ++i) {
       PadBaseStress more = PadBaseStress::Zero();
       for (int k = 0; k < shares[i].count; ++k) more += shares[i].share[k] * side.middleCols<3>(3 * shares[i].node[k]);
-      const double x = own[0] - cells.x(i / cells.n), y = own[1] - cells.y(i % cells.n);
+      const double x = own[0] - cells.x(i / cells.ny()), y = own[1] - cells.y(i % cells.ny());
       sums[i] += weight * (uniform_base_stress(layer, H, cells.hx, cells.hy, x, y) + scale * to_own * more * to_pad);
     }
   });

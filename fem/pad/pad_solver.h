@@ -24,6 +24,7 @@ struct PadStep {
   double stick_fraction = 0;          ///< cells that stick over those that touch; 0 where none touches
   double slip_distance = 0;           ///< mm: how far the indenter has slid over the rubber at most
   double slid = 0;                    ///< mm: rms slide of the cells over all increments in which none sticks
+  double slip_path = 0;               ///< mm: the same over all increments
   double area = 0;                    ///< mm^2 of the cells that touch
   int across = 0;                     ///< cells over which it extends, along the shorter side
   PadBox reach{nowhere, nowhere};     ///< around these, along the pad from the indenter's axis

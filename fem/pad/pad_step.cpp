@@ -14,9 +14,10 @@ constexpr int most_newton_rounds = 30;
 constexpr double difference = 1e-4;  ///< of a depth, for the derivatives of a force
 
 /// Heights in a ring without object.
-Eigen::MatrixXd with_ring(const Eigen::ArrayXd& height, int n) {
-  Eigen::MatrixXd ring = Eigen::MatrixXd::Constant(n + 2, n + 2, std::numeric_limits<double>::infinity());
-  for (int i = 0; i < n * n; ++i) ring(i / n + 1, i % n + 1) = height[i];
+Eigen::MatrixXd with_ring(const Eigen::ArrayXd& height, const PadCells& cells) {
+  const int ny = cells.ny();
+  Eigen::MatrixXd ring = Eigen::MatrixXd::Constant(cells.n + 2, ny + 2, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < cells.count(); ++i) ring(i / ny + 1, i % ny + 1) = height[i];
   return ring;
 }
 
@@ -26,13 +27,14 @@ SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, c
                                const PadOptions& options)
     : sensor_(sensor), cells_(cells), mu_(mu), options_(options) {
   const Eigen::MatrixXd open =
-      with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells.n);
+      with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells);
   if (has_free_sides(sensor)) {
     table_ = std::make_shared<const PadTable>(layer, sides_at(sensor, {0, 0}, SideBricks::usual), cells,
                                               Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
     contact_ = std::make_unique<PadContact>(*table_, cells, open, mu, options);
   } else {
-    influence_ = std::make_shared<const PadInfluence>(layer, sensor.thickness, cells.hx, cells.hy, cells.n);
+    influence_ = std::make_shared<const PadInfluence>(layer, sensor.thickness, cells.hx, cells.hy,
+                                                      std::max(cells.n, cells.ny()));
     contact_ = std::make_unique<PadContact>(*influence_, cells, open, mu, options);
   }
 }
@@ -41,7 +43,7 @@ void SteppedContact::set_surface(const PadSurface& surface, std::array<double, 2
   Eigen::VectorXd softness = Eigen::VectorXd::Zero(cells_.count());
   for (Eigen::Index i = 0; i < softness.size(); ++i)
     if (surface.cover[i] > 0) softness[i] = 1 / surface.cover[i] - 1;
-  contact_->set_heights(with_ring(surface.height, cells_.n), softness);
+  contact_->set_heights(with_ring(surface.height, cells_), softness);
   contact_->set_axis(axis[0], axis[1]);
   axis_ = axis;
 }
@@ -70,7 +72,7 @@ PadWrench SteppedContact::force(const PadContact& contact) const {
   PadWrench force = PadWrench::Zero();
   for (int i = 0; i < cells_.count(); ++i) {
     const double n = unit * contact.n()[i], x = unit * contact.t()(i, 0), y = unit * contact.t()(i, 1);
-    const double from_x = cells_.x(i / cells_.n) - axis_[0], from_y = cells_.y(i % cells_.n) - axis_[1];
+    const double from_x = cells_.x(i / cells_.ny()) - axis_[0], from_y = cells_.y(i % cells_.ny()) - axis_[1];
     force += PadWrench(n, x, y, from_x * y - from_y * x);
   }
   return force;
@@ -83,12 +85,13 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
   Eigen::MatrixX2d places(cells_.count(), 2);
   int sticking = 0;
   for (int i = 0; i < cells_.count(); ++i) {
-    places.row(i) << cells_.x(i / cells_.n) - axis_[0], cells_.y(i % cells_.n) - axis_[1];
+    places.row(i) << cells_.x(i / cells_.ny()) - axis_[0], cells_.y(i % cells_.ny()) - axis_[1];
     s.touching += contact_->n()[i] > 0;
     sticking += contact_->sticks(i);
   }
   if (mu_ * s.force[0] > 0)
-    s.slip_index = slip_margin(places, mu_ * sensor_.young * cells_.area() * contact_->n(), s.force.tail<3>());
+    s.slip_index =
+        std::min(1.0, slip_margin(places, mu_ * sensor_.young * cells_.area() * contact_->n(), s.force.tail<3>()));
   s.stick_fraction = s.touching > 0 ? static_cast<double>(sticking) / s.touching : 0;
   s.slides = s.touching > 0 && sticking == 0;
   s.met = settled && s.residual.largest() <= options_.accepted();

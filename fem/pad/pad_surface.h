@@ -9,11 +9,13 @@
 namespace tactel::fem {
 
 /// Part of a cell by which an object with sharp edges is larger to cells fixed to the pad. Pressure is singular at such
-/// an edge: as straight_overhang of fitted cells.
-inline constexpr double cover_overhang = 0.15;
+/// an edge: as straight_overhang of fitted cells, or of means where sides are free.
+inline constexpr double cover_overhang = straight_overhang, cover_overhang_of_means = straight_overhang_of_means;
 
-/// Returns the grid of n x n square cells about the pad's middle.
-PadCells fixed_cells(int n, double side);
+/// Returns the grid of equal cells about the pad's middle: along x and y, sides in mm.
+PadCells fixed_cells(std::array<int, 2> along, std::array<double, 2> sides);
+/// n x n square ones.
+inline PadCells fixed_cells(int n, double side) { return fixed_cells({n, n}, {side, side}); }
 
 /// An object over cells fixed to the pad. A cell below a sharp edge is covered by the share f of its area; its rubber
 /// gives way where it is not covered, so that it has the compliance 1 / f - 1 of its own, over that on itself.
@@ -23,7 +25,16 @@ struct PadSurface {
 };
 
 /// Returns the surface of an indenter whose axis lies at `place`, x, y (mm) on the pad, turned by `yaw` degrees beside
-/// its own.
-PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw);
+/// its own. With `free_sides` the influence of cells is a mean, and covers are twice as fine.
+PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,
+                       bool free_sides = false);
+
+/// Returns the surface of a pad: its box where the sides are free, else everywhere.
+PadBox rubber_of(const PadSensor& sensor);
+
+/// Returns the least height, mm, of an indenter as above over rubber beyond the grid, of places in a ring of cells
+/// around it and the one that is nearest to the axis; +infinity: no object or no rubber is there.
+double height_beyond(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,
+                     const PadBox& rubber);
 
 }  // namespace tactel::fem

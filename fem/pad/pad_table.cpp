@@ -8,14 +8,15 @@
 namespace tactel::fem {
 
 PadTable::PadTable(const PadLayer& layer, double thickness, const PadCells& cells)
-    : n_(cells.n), count_(cells.count()) {
-  numbers_.resize(begin(n_, n_) + 9 * count_);
-  const std::vector<CellInfluence> means = layer_means(layer, thickness, cells.hx, cells.hy, n_);
-  for (int ix = -1; ix <= n_; ++ix)
-    for (int iy = -1; iy <= n_; ++iy)
+    : nx_(cells.n), ny_(cells.ny()), count_(cells.count()) {
+  numbers_.resize(begin(nx_, ny_) + 9 * count_);
+  const int n = std::max(nx_, ny_);
+  const std::vector<CellInfluence> means = layer_means(layer, thickness, cells.hx, cells.hy, n);
+  for (int ix = -1; ix <= nx_; ++ix)
+    for (int iy = -1; iy <= ny_; ++iy)
       for (int source = 0; source < count_; ++source) {
-        const int dx = ix - source / n_, dy = iy - source % n_, sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
-        const CellInfluence& c = means[std::abs(dx) * (n_ + 1) + std::abs(dy)];
+        const int dx = ix - source / ny_, dy = iy - source % ny_, sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
+        const CellInfluence& c = means[std::abs(dx) * (n + 1) + std::abs(dy)];
         at(ix, iy, 0, 0, source) = c.xx, at(ix, iy, 1, 1, source) = c.yy, at(ix, iy, 2, 2, source) = c.zz;
         at(ix, iy, 0, 1, source) = at(ix, iy, 1, 0, source) = sx * sy * c.xy;
         at(ix, iy, 0, 2, source) = sx * c.xz, at(ix, iy, 2, 0, source) = -sx * c.xz;
@@ -38,14 +39,14 @@ PadTable::PadTable(const PadLayer& layer, const PadSides& sides, const PadCells&
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Rows to_nodes = Rows::Zero(kernel.displacement().rows(), 3 * count_);
   for (int source = 0; source < count_; ++source) {
-    const SideKernel::Shares by = shares_at(source / n_, source % n_);
+    const SideKernel::Shares by = shares_at(source / ny_, source % ny_);
     for (int k = 0; k < by.count; ++k)
       to_nodes.middleCols<3>(3 * source) +=
           scale * by.share[k] * kernel.displacement().middleCols<3>(3 * by.node[k]) * turned;
   }
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> at_place(3, 3 * count_);
-  for (int ix = -1; ix <= n_; ++ix)
-    for (int iy = -1; iy <= n_; ++iy) {
+  for (int ix = -1; ix <= nx_; ++ix)
+    for (int iy = -1; iy <= ny_; ++iy) {
       const SideKernel::Shares of = shares_at(ix, iy);
       if (of.count == 0) continue;
       at_place.setZero();
@@ -58,7 +59,7 @@ PadTable::PadTable(const PadLayer& layer, const PadSides& sides, const PadCells&
 }
 
 void PadTable::soften(int i, double compliance) {
-  for (int c = 0; c < 3; ++c) at(i / n_, i % n_, c, c, i) += compliance;
+  for (int c = 0; c < 3; ++c) at(i / ny_, i % ny_, c, c, i) += compliance;
 }
 
 Eigen::MatrixXd PadTable::matrix() const {
@@ -67,7 +68,7 @@ Eigen::MatrixXd PadTable::matrix() const {
     for (int to = 0; to < 3; ++to)
       for (int by = 0; by < 3; ++by)
         for (int source = 0; source < count_; ++source)
-          m(3 * i + to, 3 * source + by) = row(i / n_, i % n_, to, by)[source];
+          m(3 * i + to, 3 * source + by) = row(i / ny_, i % ny_, to, by)[source];
   return m;
 }
 

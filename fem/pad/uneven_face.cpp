@@ -23,18 +23,18 @@ double UnevenFace::height(double x, double y) const {
 void UnevenFace::add(const PadCells& cells, std::array<double, 2> place, double angle,
                      std::span<double> heights) const {
   const double cosine = std::cos(angle), sine = std::sin(angle);
-  const auto n = static_cast<std::size_t>(cells.n);
-  std::vector<double> real(n), imaginary(n);
+  const auto nx = static_cast<std::size_t>(cells.n), ny = static_cast<std::size_t>(cells.ny());
+  std::vector<double> real(ny), imaginary(ny);
   for (const Wave& wave : waves) {
     const double kx = cosine * wave.kx - sine * wave.ky, ky = sine * wave.kx + cosine * wave.ky;  // on the pad
     const std::complex<double> along_x = std::polar(1.0, kx * cells.hx), along_y = std::polar(1.0, ky * cells.hy);
     std::complex<double> column = 1;
-    for (std::size_t j = 0; j < n; ++j, column *= along_y) real[j] = column.real(), imaginary[j] = column.imag();
+    for (std::size_t j = 0; j < ny; ++j, column *= along_y) real[j] = column.real(), imaginary[j] = column.imag();
     std::complex<double> row =
         std::polar(amplitude, wave.phase + kx * (cells.x(0) - place[0]) + ky * (cells.y(0) - place[1]));
-    for (std::size_t i = 0; i < n; ++i, row *= along_x) {
+    for (std::size_t i = 0; i < nx; ++i, row *= along_x) {
       const double a = row.real(), b = row.imag();
-      for (std::size_t j = 0; j < n; ++j) heights[i * n + j] += a * real[j] - b * imaginary[j];
+      for (std::size_t j = 0; j < ny; ++j) heights[i * ny + j] += a * real[j] - b * imaginary[j];
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "fem/angles.h"
+#include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
@@ -35,12 +36,16 @@ struct PadStepper::State {
   }
 
   State(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options)
-      : executor(host::Device(options.device)), count(count), places(3 * count) {
+      : executor(host::Device(options.device)),
+        count(count),
+        rubber(fem::rubber_of(pad)),
+        free_sides(fem::has_free_sides(pad)) {
     if (options.precision == "fp64")
       steps.emplace<host::PadStepper<double>>(executor, pad, count, friction, options);
     else
       steps.emplace<host::PadStepper<float>>(executor, pad, count, friction, options);
     with([&](auto& of) { cells = of.cells(), tactels = of.tactels(); });
+    places.resize(3 * count);
   }
 
   void put_shapes(std::span<const double> pose);
@@ -51,6 +56,8 @@ struct PadStepper::State {
   host::Executor executor;
   std::size_t count, tactels = 0;
   fem::PadCells cells;
+  fem::PadBox rubber;
+  bool free_sides;
   std::variant<std::monostate, host::PadStepper<float>, host::PadStepper<double>> steps;
   std::vector<fem::PadIndenter> indenters;  ///< one, or [count]; empty: gaps
   std::vector<double> places;               ///< [count][3]
@@ -71,7 +78,9 @@ void PadStepper::State::put_shapes(std::span<const double> pose) {
       axes[2 * c] = now[3 * c], axes[2 * c + 1] = now[3 * c + 1];
       if (known && std::equal(&now[3 * c], &now[3 * c] + 3, &put[3 * c])) continue;
       const fem::PadIndenter& indenter = indenters[indenters.size() == 1 ? 0 : c];
-      of.set_surface(c, fem::pad_surface(cells, indenter, {now[3 * c], now[3 * c + 1]}, now[3 * c + 2]));
+      const std::array place{now[3 * c], now[3 * c + 1]};
+      of.set_surface(c, fem::pad_surface(cells, indenter, place, now[3 * c + 2], free_sides),
+                     fem::height_beyond(cells, indenter, place, now[3 * c + 2], rubber));
     }
     of.set_axes(axes);
   });
@@ -143,12 +152,12 @@ const StepOptions& PadStepper::options() const {
 
 std::vector<double> PadStepper::cell_x() const {
   std::vector<double> all;
-  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.x(i / state_->cells.n));
+  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.x(i / state_->cells.ny()));
   return all;
 }
 std::vector<double> PadStepper::cell_y() const {
   std::vector<double> all;
-  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.y(i % state_->cells.n));
+  for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.y(i % state_->cells.ny()));
   return all;
 }
 

@@ -202,14 +202,14 @@ void add_train_command(CLI::App& app, Action& action) {
       ->add_option(
           "--target", request->target,
           "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction; slid, how far "
-          "pads slid since rest")
-      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid"}))
+          "pads slid since rest as a whole; slip_path, how far their cells did")
+      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--alarm-at", request->alarm_at,
-          "with --target slid: threshold of `tactel monitor --alarm` that the network's file holds, above 0 and "
-          "below 1 (default: none)")
+      ->add_option("--alarm-at", request->alarm_at,
+                   "with --target slid or slip_path: threshold of `tactel monitor --alarm` that the network's file "
+                   "holds, above 0 and "
+                   "below 1 (default: none)")
       ->check(CLI::Range(1e-3, 0.999))
       ->type_name("FLOAT");
   add_training_options(*command, *request);

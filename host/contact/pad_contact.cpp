@@ -796,7 +796,8 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
   step.stick_fraction = touch > 0 ? stick / touch : 0;
   step.area = row(PAD_RESULT_AREA), step.across = static_cast<int>(row(PAD_RESULT_ACROSS));
   step.reach = {{row(PAD_RESULT_LEFT), row(PAD_RESULT_RIGHT)}, {row(PAD_RESULT_BELOW), row(PAD_RESULT_ABOVE)}};
-  step.residual.angle = row(PAD_RESULT_ANGLE), step.slid = row(PAD_RESULT_SLID);
+  step.residual.angle = row(PAD_RESULT_ANGLE), step.slid = row(PAD_RESULT_SLID),
+  step.slip_path = row(PAD_RESULT_SLIP_PATH);
   return step;
 }
 

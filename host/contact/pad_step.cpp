@@ -24,6 +24,8 @@ namespace tactel::host {
 namespace {
 
 constexpr int least_grid = 4, most_grid = 24;
+constexpr AlongXY<int> usual_grid = 16;
+constexpr double usual_cell = 0.5;         ///< mm
 constexpr std::size_t widest_vector = 64;  ///< of AVX-512
 constexpr double usual_reach = 0.5;        ///< rubber bulges beside an object by less than this part of its depth
 constexpr double longest_motion = 0.05;    ///< H, of a solve along the pad
@@ -31,7 +33,8 @@ constexpr double least_cover = 1e-3;       ///< of a cell that counts as covered
 
 static_assert(int(step_open) == int(STEP_OPEN) && int(step_slides) == int(STEP_SLIDES));
 static_assert(int(step_unmet) == int(STEP_UNMET) && int(step_edge) == int(STEP_EDGE));
-static_assert(int(step_invalid) == int(STEP_INVALID));
+static_assert(int(step_invalid) == int(STEP_INVALID) && int(step_deep) == int(STEP_DEEP));
+static_assert(int(step_reach) == int(STEP_REACH));
 
 /// Stiffness of a contact of radius a that sticks on the layer, H = E = 1: kt a (1 + a) along it, kr a^3 (1 + a)
 /// against a twist. A first guess for the search of a pose: by rigid motions of a disc of cells.
@@ -70,10 +73,10 @@ void check_size(const char* key, std::size_t size, std::size_t allowed) {
 }
 
 void check(const StepOptions& options) {
-  if (options.cells < least_grid || options.cells > most_grid)
-    throw ValueError("cells", std::to_string(options.cells), "4 to 24");
-  if (!(options.cell > 0) || !std::isfinite(options.cell))
-    throw ValueError("cell", fmt::format("{}", options.cell), "above 0 mm");
+  for (const int cells : {options.cells.x, options.cells.y})
+    if (cells < least_grid || cells > most_grid) throw ValueError("cells", std::to_string(cells), "4 to 24");
+  for (const double cell : {options.cell.x, options.cell.y})
+    if (!(cell > 0) || !std::isfinite(cell)) throw ValueError("cell", fmt::format("{}", cell), "above 0 mm");
   const auto positive = [](const char* key, double number) {
     if (!(number > 0 && number <= 0.1)) throw ValueError(key, fmt::format("{}", number), "above 0 and at most 0.1");
   };
@@ -100,22 +103,72 @@ std::vector<double> table_of_pairs(const PairInfluence& pairs, const std::vector
   return table;
 }
 
-/// A grid on a pad with free sides lies within it.
-void check_within(const fem::PadSensor& pad, const StepOptions& options) {
-  const double least = std::min(*pad.length, *pad.width), grid = options.cells * options.cell;
-  if (grid > least * (1 + 1e-9))
-    throw ValueError(
-        "cell", fmt::format("{}", options.cell),
-        fmt::format("{:.6g} mm at most, as {} cells lie within the pad", least / options.cells, options.cells));
+/// mm of a side of a pad with free ones over which a grid may extend: all of it, or what lies 2 H from the ends of the
+/// block that stands for a longer pad.
+double gridded(double side, double thickness) {
+  constexpr double within_block = fem::longest_block - 4;
+  return side <= fem::longest_block * thickness ? side : within_block * thickness;
 }
 
-PairInfluence pairs_of(const fem::PadTable& table, int n) {
+/// A grid on a pad with free sides lies within it.
+void check_within(const fem::PadSensor& pad, const StepOptions& options) {
+  const auto check = [&](double side, int cells, double cell) {
+    const double most = gridded(side, pad.thickness);
+    if (cells * cell > most * (1 + 1e-9))
+      throw ValueError("cell", fmt::format("{}", cell),
+                       fmt::format("{:.6g} mm at most, as {} cells lie within {}", most / cells, cells,
+                                   most < side ? "8 thicknesses of a pad longer than 12" : "the pad"));
+  };
+  check(*pad.length, options.cells.x, options.cell.x), check(*pad.width, options.cells.y, options.cell.y);
+}
+
+/// Some 256 nearly square cells over the pad.
+AlongXY<int> cells_over(double length, double width) {
+  const double side = std::sqrt(length * width / (usual_grid.x * usual_grid.y));
+  const auto along = [side](double whole) {
+    return std::clamp(static_cast<int>(std::lround(whole / side)), least_grid, most_grid);
+  };
+  return {along(length), along(width)};
+}
+
+/// Options with a grid, as the pad asks where none is given.
+StepOptions with_grid(const fem::PadSensor& pad, StepOptions options) {
+  const bool fits = fem::has_free_sides(pad) && !options.cell.given;
+  if (!fits) {
+    if (!options.cells.given) options.cells = usual_grid;
+    if (!options.cell.given) options.cell = usual_cell;
+    return options;
+  }
+  const double length = gridded(*pad.length, pad.thickness), width = gridded(*pad.width, pad.thickness);
+  if (!options.cells.given) options.cells = cells_over(length, width);
+  options.cell = {length / options.cells.x, width / options.cells.y};
+  return options;
+}
+
+PairInfluence pairs_of(const fem::PadTable& table, const fem::PadCells& cells) {
+  const int ny = cells.ny();
   PairInfluence pairs;
-  for (int place = 0; place < n * n; ++place)
-    for (int source = 0; source < n * n; ++source)
+  for (int place = 0; place < cells.count(); ++place)
+    for (int source = 0; source < cells.count(); ++source)
       for (int to = 0; to < 3; ++to)
-        for (int by = 0; by < 3; ++by) pairs.push_back(table.row(place / n, place % n, to, by)[source]);
+        for (int by = 0; by < 3; ++by) pairs.push_back(table.row(place / ny, place % ny, to, by)[source]);
   return pairs;
+}
+
+/// Of a table of square grids the part that this one takes.
+std::vector<double> of_offsets(const std::vector<double>& square, int most, const fem::PadCells& cells) {
+  const auto numbers = std::size_t{PAD_INFLUENCE};
+  std::vector<double> table(square.begin(), square.begin() + PAD_TABLE_HEAD);
+  for (int dx = -cells.n; dx <= cells.n; ++dx) {
+    const auto first = static_cast<std::size_t>((most + dx) * (2 * most + 1) + most - cells.ny());
+    const auto from = square.begin() + static_cast<std::ptrdiff_t>(PAD_TABLE_HEAD + numbers * first);
+    table.insert(table.end(), from, from + static_cast<std::ptrdiff_t>(numbers * (2 * cells.ny() + 1)));
+  }
+  return table;
+}
+
+fem::PadCells cells_of(const StepOptions& options) {
+  return fem::fixed_cells({options.cells.x, options.cells.y}, {options.cell.x, options.cell.y});
 }
 
 }  // namespace
@@ -123,19 +176,22 @@ PairInfluence pairs_of(const fem::PadTable& table, int n) {
 template <class Real>
 struct PadStepper<Real>::State {
   State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given, PairInfluence pairs)
-      : executor(executor), pad(pad), options(given), count(count), cells(fem::fixed_cells(given.cells, given.cell)) {
+      : executor(executor), pad(pad), count(count) {
     fem::validate(pad);
+    options = with_grid(pad, given);
     check(options);
-    if (count < 1) throw ValueError("count", "0", "1 or more");
+    cells = cells_of(options);
     const fem::Interval solvable = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
-    if (options.cell < solvable.left || options.cell > solvable.right)
-      throw ValueError("cell", fmt::format("{}", options.cell),
-                       fmt::format("{} to {} mm on this rubber", solvable.left, solvable.right));
+    for (const double cell : {cells.hx, cells.hy})
+      if (cell < solvable.left || cell > solvable.right)
+        throw ValueError("cell", fmt::format("{}", cell),
+                         fmt::format("{} to {} mm on this rubber", solvable.left, solvable.right));
+    check_count();
     if (fem::has_free_sides(pad)) {
       check_within(pad, options);
       sides = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual);
       if (pairs.empty())
-        pairs = pairs_of({fem::pad_layer(pad.poisson), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells.n);
+        pairs = pairs_of({fem::pad_layer(pad.poisson), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells);
     }
     const Device& device = executor.device();
     const Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
@@ -143,12 +199,13 @@ struct PadStepper<Real>::State {
     // As PadContact: two vectors share each number of the table where they are full and their sums fit into registers.
     const bool wide = width * sizeof(Real) >= widest_vector && !device.info().halves;
     const auto threads = static_cast<std::size_t>(executor.threads());
-    vectors = wide && options.cells <= 12 && count >= 4 * width * threads ? 2 : 1;
+    vectors = wide && cells.count() <= 144 && count >= 4 * width * threads ? 2 : 1;
     places = (count + lanes() - 1) / lanes() * lanes();
     program.emplace(device, "pad_step.cl",
                     Defines{{"REAL", real_type(precision)},
                             {"LANES", std::to_string(width)},
-                            {"CELLS", std::to_string(options.cells)},
+                            {"CELLS", std::to_string(cells.n)},
+                            {"CELLS_Y", std::to_string(cells.ny())},
                             {"VECTORS", std::to_string(vectors)},
                             {"DENSE", std::to_string(!pairs.empty())}});
     make_tables(pairs);
@@ -165,9 +222,14 @@ struct PadStepper<Real>::State {
     return (contact / width * rows + row) * width + contact % width;
   }
 
+  void check_count() const;
+  /// [state_head]
+  std::array<Real, state_head> head() const;
+  void check_state(std::span<const Real> numbers) const;
   void make_tables(const PairInfluence& pairs);
   void make_arrays();
   void make_launches();
+  int rubber_beyond() const;
   void put_input(std::size_t first, std::size_t numbers, std::span<const double> from, std::span<const double> units);
   void step(std::span<const double> to, bool by_wrench);
   template <class Number>
@@ -198,8 +260,9 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   const auto real = [](const std::vector<double>& numbers) {
     return std::vector<Real>(numbers.begin(), numbers.end());
   };
-  const PadTables tables(pad.poisson, cells.n, true);
-  std::vector<double> influence = tables.shared_influence(cell_size(cells, H));
+  const int most = std::max(cells.n, cells.ny());
+  const PadTables tables(pad.poisson, most, true);
+  std::vector<double> influence = of_offsets(tables.shared_influence(cell_size(cells, H)), most, cells);
   root_zz = influence[PAD_ROOT_ZZ], root_tt = influence[PAD_ROOT_TT];
   if (!pairs.empty()) {
     check_size("pairs", pairs.size(), 9 * cell_count() * cell_count());
@@ -231,15 +294,17 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   }
   for (std::size_t k = 0; k < static_cast<std::size_t>(points.places.rows()) && !sides; ++k) {
     const auto at = points.places.row(static_cast<Eigen::Index>(k));
-    const auto all =
-        tables.layer()->base_stresses(H, cells.hx, cells.hy, cells.n, at[0] - cells.x(0), at[1] - cells.y(0));
-    for (std::size_t i = 0; i < cell_count(); ++i)
+    const auto all = tables.layer()->base_stresses(H, cells.hx, cells.hy, most, at[0] - cells.x(0), at[1] - cells.y(0));
+    for (std::size_t i = 0; i < cell_count(); ++i) {
+      const auto ny = static_cast<std::size_t>(cells.ny());
+      const auto& stress_of = all[i / ny * static_cast<std::size_t>(most) + i % ny];
       for (std::size_t part = 0; part < 3; ++part)
         for (std::size_t stress_row = 0; stress_row < 3; ++stress_row) {
           const std::size_t row = stress_row * tactels + k / parts;
           place(row, i, part) +=
-              points.weights[k % parts] * unit[part] * all[i](static_cast<Eigen::Index>(stress_row), column[part]);
+              points.weights[k % parts] * unit[part] * stress_of(static_cast<Eigen::Index>(stress_row), column[part]);
         }
+    }
   }
   base = Buffer<Real>(device(), std::span<const Real>(real(stress)));
 }
@@ -252,7 +317,9 @@ void PadStepper<Real>::State::make_arrays() {
     std::ranges::fill(all.view(), number);
     return buffer;
   };
-  input = filled(STEP_INPUT_ROWS, 0), heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
+  input = filled(STEP_INPUT_ROWS, 0);
+  put_input(STEP_BEYOND, 1, std::vector<double>(count, -1), std::array{1.0});
+  heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
   state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0), frame = filled(frame_rows, 0);
 }
 
@@ -277,6 +344,7 @@ void PadStepper<Real>::State::make_launches() {
     kernel.set("most_solves", std::int32_t(options.most_solves));
     kernel.set("reach", Real(reach));
     kernel.set("travel", Real(longest_motion));
+    kernel.set("sides", std::int32_t(rubber_beyond()));
     kernel.set("state", state);
     kernel.set("result", result);
   });
@@ -286,6 +354,52 @@ void PadStepper<Real>::State::make_launches() {
     kernel.set("state", state);
     kernel.set("frames", frame);
   });
+}
+
+template <class Real>
+void PadStepper<Real>::State::check_count() const {
+  if (count < 1) throw ValueError("count", "0", "1 or more");
+  const auto numbers = rows() + 2 * cell_count() + STEP_INPUT_ROWS + STEP_RESULT_ROWS +
+                       3 * static_cast<std::size_t>(pad.tactels[0] * pad.tactels[1]);
+  const std::uint64_t bytes = numbers * sizeof(Real), most = memory_of(device().info()) / bytes;
+  if (count > most)
+    throw ValueError("count", std::to_string(count),
+                     fmt::format("{} at most, as each takes {} bytes of the device's memory", most, bytes));
+}
+
+template <class Real>
+std::array<Real, state_head> PadStepper<Real>::State::head() const {
+  const double H = pad.thickness;
+  std::array<double, state_head> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson};
+  if (sides) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
+  std::array<Real, state_head> head;
+  std::ranges::transform(all, head.begin(), [](double number) { return static_cast<Real>(number); });
+  return head;
+}
+
+/// The state that begins with these numbers.
+template <class Real>
+void PadStepper<Real>::State::check_state(std::span<const Real> numbers) const {
+  const auto own = head();
+  const auto text = [](std::span<const Real> of) {
+    std::string words = fmt::format("{} x {} cells of {:.6g} x {:.6g} H, nu {:.6g}", of[0], of[1], of[2], of[3], of[4]);
+    return of[state_length] > 0 ? words + fmt::format(", sides {:.6g} x {:.6g} H", of[5], of[6]) : words;
+  };
+  if (numbers.size() < own.size() || !std::ranges::equal(own, numbers.first(own.size())))
+    throw ValueError("state", numbers.size() < own.size() ? "too few numbers" : "one of " + text(numbers),
+                     "one of " + text(own));
+  if (numbers.size() < own.size() + rows()) check_size("state", numbers.size(), own.size() + rows());
+  for (const Real number : numbers.subspan(own.size(), rows()))
+    if (!std::isfinite(number)) throw ValueError("state", fmt::format("{}", number), "finite numbers");
+}
+
+/// Sum of 1, 2, 4, 8: sides -x, +x, -y, +y of the grid beyond which there is rubber.
+template <class Real>
+int PadStepper<Real>::State::rubber_beyond() const {
+  const fem::PadBox grid = cells.box(), rubber = fem::rubber_of(pad);
+  const double rounding = 1e-6 * cells.half_size();
+  return 1 * (rubber.x.left < grid.x.left - rounding) + 2 * (rubber.x.right > grid.x.right + rounding) +
+         4 * (rubber.y.left < grid.y.left - rounding) + 8 * (rubber.y.right > grid.y.right + rounding);
 }
 
 /// Puts `numbers` numbers of each contact, times their units, into rows of the input.
@@ -362,7 +476,7 @@ std::size_t PadStepper<Real>::lanes() const {
 }
 template <class Real>
 std::size_t PadStepper<Real>::state_rows() const {
-  return state_->rows();
+  return state_head + state_->rows();
 }
 
 template <class Real>
@@ -383,16 +497,20 @@ void PadStepper<Real>::set_heights(std::span<const Number> heights, std::span<co
   if (!cover.empty()) check_size("cover", cover.size(), heights.size());
   const auto all = s.heights.map();
   const auto softs = s.soft.map();
+  s.put_input(STEP_BEYOND, 1, std::vector<double>(count(), -1), std::array{1.0});
   for (std::size_t c = 0; c < count(); ++c)
     s.put_heights(c, &heights[c * s.cell_count()], cover.empty() ? nullptr : &cover[c * s.cell_count()], all.view(),
                   softs.view());
 }
 
 template <class Real>
-void PadStepper<Real>::set_surface(std::size_t contact, const fem::PadSurface& surface) {
-  const auto all = state_->heights.map();
-  const auto softs = state_->soft.map();
-  state_->put_heights(contact, surface.height.data(), surface.cover.data(), all.view(), softs.view());
+void PadStepper<Real>::set_surface(std::size_t contact, const fem::PadSurface& surface, double beyond) {
+  State& s = *state_;
+  const auto all = s.heights.map();
+  const auto softs = s.soft.map();
+  s.put_heights(contact, surface.height.data(), surface.cover.data(), all.view(), softs.view());
+  s.input.map()[s.at(contact, STEP_BEYOND, STEP_INPUT_ROWS)] =
+      static_cast<Real>(std::min(beyond / s.pad.thickness, double{PAD_OPEN}));
 }
 
 template <class Real>
@@ -476,10 +594,12 @@ std::vector<Real> PadStepper<Real>::state(std::span<const std::size_t> contacts)
   const auto all = s.state.map(MapFor::reading);
   std::vector<Real> made;
   const std::size_t asked = contacts.empty() ? count() : contacts.size();
-  made.reserve(asked * s.rows());
+  const auto head = s.head();
+  made.reserve(asked * state_rows());
   for (std::size_t c = 0; c < asked; ++c) {
     const std::size_t contact = contacts.empty() ? c : contacts[c];
     if (contact >= count()) throw ValueError("contacts", std::to_string(contact), fmt::format("below {}", count()));
+    made.insert(made.end(), head.begin(), head.end());
     for (std::size_t k = 0; k < s.rows(); ++k) made.push_back(all[s.at(contact, k, s.rows())]);
   }
   return made;
@@ -489,13 +609,16 @@ template <class Real>
 void PadStepper<Real>::set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts) {
   State& s = *state_;
   const std::size_t given = contacts.empty() ? count() : contacts.size();
-  check_size("state", numbers.size(), given * s.rows());
+  const std::size_t rows = state_rows();
+  if (numbers.size() % rows == 0) check_size("state", numbers.size(), given * rows);
   for (const std::size_t contact : contacts)
     if (contact >= count()) throw ValueError("contacts", std::to_string(contact), fmt::format("below {}", count()));
+  for (std::size_t c = 0; c < given; ++c) s.check_state(numbers.subspan(std::min(c * rows, numbers.size())));
+  check_size("state", numbers.size(), given * rows);
   const auto all = s.state.map();
   for (std::size_t c = 0; c < given; ++c)
     for (std::size_t k = 0; k < s.rows(); ++k)
-      all[s.at(contacts.empty() ? c : contacts[c], k, s.rows())] = numbers[c * s.rows() + k];
+      all[s.at(contacts.empty() ? c : contacts[c], k, s.rows())] = numbers[c * rows + state_head + k];
 }
 
 template <class Real>

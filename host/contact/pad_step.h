@@ -18,6 +18,18 @@ namespace tactel::host {
 /// rubber, with its sides where they are free.
 using PairInfluence = std::vector<double>;
 
+/// What the state of a contact begins with: lengths over H.
+enum PadStateHead {
+  state_cells_x,
+  state_cells_y,
+  state_hx,
+  state_hy,
+  state_poisson,
+  state_length,  ///< of free sides; 0: held
+  state_width,
+  state_head
+};
+
 /// Many contacts with one pad that take one increment a call, each on from the state that the last left in the device's
 /// buffers: launcher of kernels/pad_step.cl. Its twin is fem::SteppedContact. Move only.
 template <class Real>
@@ -35,7 +47,7 @@ class PadStepper {
   const fem::PadCells& cells() const;
   const StepOptions& options() const;
   std::size_t lanes() const;       ///< contacts of a work-item
-  std::size_t state_rows() const;  ///< numbers of a contact
+  std::size_t state_rows() const;  ///< numbers of a contact in state()
 
   // What the next step takes. All of it stays until it is given anew. Wrong sizes throw ValueError.
   void set_friction(std::span<const double> friction);  ///< [count] or one for all
@@ -43,8 +55,8 @@ class PadStepper {
   /// 1, or empty: 1. Numbers that are no heights, and a cover that is none, make a contact STEP_INVALID.
   template <class Number>
   void set_heights(std::span<const Number> heights, std::span<const Number> cover = {});
-  /// The same of one contact.
-  void set_surface(std::size_t contact, const fem::PadSurface& surface);
+  /// The same of one contact. `beyond`: fem::height_beyond, mm; below 0: not known, as of heights.
+  void set_surface(std::size_t contact, const fem::PadSurface& surface, double beyond = -1);
   void set_axes(std::span<const double> axes);  ///< [count][2] mm: the object's axis, of twists and torques
 
   /// Steps by motion: pose [count][4], depth, x, y (mm), twist (rad), of the whole way since the contact was reset.
@@ -63,8 +75,9 @@ class PadStepper {
   /// Contacts as nothing had touched them. `mask` [count]: not 0 where.
   void reset(std::span<const std::uint8_t> mask);
   void reset();
-  /// Numbers [contacts][state_rows()] of these contacts, or of all; setting them gives the same bits from then on, in
-  /// any stepper of this pad, cells and precision.
+  /// Numbers [contacts][state_rows()] of these contacts, or of all: PadStateHead, then the rows of
+  /// kernels/shared/pad_step_layout.h. Setting them gives the same bits from then on, in any stepper of this rubber,
+  /// cells and precision. Throws ValueError, and sets nothing, where a head is of others or a number is not finite.
   std::vector<Real> state(std::span<const std::size_t> contacts = {}) const;
   void set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts = {});
 

@@ -163,7 +163,7 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       decoder_((check_networks(networks, profile, options.signal), profile.format())),
       has_bound_(!networks.empty() && networks.front().bound.has_value()),
       magnitude_(!networks.empty() && networks.front().magnitude),
-      of_slid_(!networks.empty() && networks.front().target == nn::Target::slid),
+      of_slid_(!networks.empty() && nn::is_slide(networks.front().target)),
       has_index_(options.signal == AlarmSignal::left && !profile.map.calibration.slide.empty()),
       rate_(usual_rate(profile)),
       stresses_(profile.map.places()) {

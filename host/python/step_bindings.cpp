@@ -26,6 +26,18 @@ auto rows_of(const Array& array, std::size_t count, std::size_t columns, const c
   return all;
 }
 
+/// A number for x and y, or one for each; none: by the pad.
+template <class Number>
+using GivenXY = std::optional<std::variant<Number, std::array<Number, 2>>>;
+
+template <class Number>
+AlongXY<Number> along_xy(const GivenXY<Number>& given) {
+  if (!given) return {};
+  if (const auto* both = std::get_if<Number>(&*given)) return *both;
+  const auto& [x, y] = std::get<std::array<Number, 2>>(*given);
+  return {x, y};
+}
+
 /// The stepper of Python, with the number of its steps: answers know which one they are of.
 struct Stepper {
   PadStepper steps;
@@ -50,7 +62,8 @@ auto member(std::vector<Number> StepAnswer::*numbers, py::ssize_t columns) {
   };
 }
 
-py::array_t<float> frames_of_answer(const py::object& self) {
+/// Frames in the device's memory, of which the stepper alone writes.
+py::array_t<float> memory_of_frames(const py::object& self) {
   const Answer& answer = self.cast<const Answer&>();
   Stepper& stepper = answer.stepper();
   if (answer.step != stepper.made)
@@ -58,8 +71,13 @@ py::array_t<float> frames_of_answer(const py::object& self) {
                      "must be read before the next step, or copied");
   const std::span<const float> frames = without_lock([&] { return stepper.steps.frames(); });
   const auto count = static_cast<py::ssize_t>(stepper.steps.count());
-  py::array_t<float> array({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
-  return array;
+  return py::array_t<float>({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
+}
+
+py::array_t<float> frames_of_answer(const py::object& self) {
+  py::array_t<float> frames = memory_of_frames(self);
+  frames.attr("setflags")("write"_a = false);
+  return frames;
 }
 
 Answer answer_of(py::object self, const StepAnswer& answer) {
@@ -136,7 +154,15 @@ void bind_step_answer(py::module_& m) {
       .def_property_readonly(
           "frames", &frames_of_answer,
           "[count, 3 tactels] MPa, fp32, as networks take them: all sigma_z, then tau_x, then tau_y; "
-          "memory of the device where that is the host's, valid until the next step")
+          "memory of the device where that is the host's, valid until the next step; read-only")
+      .def(
+          "__dlpack__",
+          [](const py::object& self, const py::kwargs& options) {
+            return memory_of_frames(self).attr("__dlpack__")(**options);
+          },
+          "Shares the frames: torch.from_dlpack(answer). NumPy 1 exports no array that is read-only.")
+      .def("__dlpack_device__",
+           [](const py::object& self) { return memory_of_frames(self).attr("__dlpack_device__")(); })
       .def_property_readonly("force", member(&StepAnswer::force, 4),
                              "[count, 4] P, Qx, Qy (N), M (N mm) of the object on the rubber, in the axes of the pad")
       .def_property_readonly("pose", member(&StepAnswer::pose, 4),
@@ -145,7 +171,7 @@ void bind_step_answer(py::module_& m) {
       .def_property_readonly("stick_fraction", member(&StepAnswer::stick_fraction, 1),
                              "[count] cells that stick over those that touch")
       .def_property_readonly("flags", member(&StepAnswer::flags, 1),
-                             "[count] sums of OPEN, SLIDES, UNMET, EDGE, INVALID of PadStepper")
+                             "[count] sums of OPEN, SLIDES, UNMET, EDGE, INVALID, DEEP, REACH of PadStepper")
       .def_property_readonly("residual", member(&StepAnswer::residual, 1), "[count] largest residual of the laws")
       .def_property_readonly("solves", member(&StepAnswer::solves, 1), "[count] poses that were solved")
       .def_property_readonly("sweeps", member(&StepAnswer::sweeps, 1), "[count] sweeps of all of them");
@@ -159,21 +185,22 @@ void bind_steps(py::module_& m) {
                               "Contacts with one pad inside a simulator: each call takes all of them a step on.",
                               py::dynamic_attr());
   stepper
-      .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, int cells, double cell,
-                       double tolerance, double force_tolerance, int most_solves, Precision precision,
-                       const std::string& device) {
+      .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, const GivenXY<int>& cells,
+                       const GivenXY<double>& cell, double tolerance, double force_tolerance, int most_solves,
+                       Precision precision, const std::string& device) {
              StepOptions options;
-             options.cells = cells, options.cell = cell, options.tolerance = tolerance;
+             options.cells = along_xy(cells), options.cell = along_xy(cell), options.tolerance = tolerance;
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
              return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
            }),
-           "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = 16, "cell"_a = 0.5, "tolerance"_a = 1e-3,
-           "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
-           "friction: [count], or one number; cells: along a side of the grid about the pad's middle, 4 to 24; cell: "
-           "mm; tolerance: of the sweeps; force_tolerance: of a wrench, over P; most_solves: poses that a step by "
-           "wrench may solve. The grid lies within a pad whose sides are free.")
+           "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
+           "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
+           "friction: [count], or one number; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
+           "[x, y]; cell: mm, one side or [x, y]; tolerance: of the sweeps; force_tolerance: of a wrench, over P; "
+           "most_solves: poses that a step by wrench may solve. By default cells cover a pad whose sides are free, "
+           "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free.")
       .def("__len__", [](const Stepper& self) { return self.steps.count(); })
       .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
       .def_property_readonly(
@@ -248,7 +275,8 @@ void bind_steps(py::module_& m) {
           "Returns pressures and tractions on the cells, [count, 3, cells] MPa: n, t_x, t_y.");
   stepper.attr("OPEN") = int(step_open), stepper.attr("SLIDES") = int(step_slides);
   stepper.attr("UNMET") = int(step_unmet), stepper.attr("EDGE") = int(step_edge);
-  stepper.attr("INVALID") = int(step_invalid);
+  stepper.attr("INVALID") = int(step_invalid), stepper.attr("DEEP") = int(step_deep);
+  stepper.attr("REACH") = int(step_reach);
 }
 
 }  // namespace tactel::python

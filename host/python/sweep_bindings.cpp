@@ -119,7 +119,9 @@ void bind_set(py::module_& m) {
       .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads, as P")
       .def_property_readonly("force_ratio", column(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
       .def_property_readonly("slid", column(&Set::slid),
-                             "[rows] slide since first touch over the elastic limit, of pads")
+                             "[rows] slide as a whole since first touch over the elastic limit, of pads")
+      .def_property_readonly("slip_path", column(&Set::slip_path),
+                             "[rows] the cells' rms slips since first touch, summed, over that limit, of pads")
       .def_property_readonly("twist", column(&Set::twist), "[rows] degrees, of pads")
       .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
       .def_property_readonly("tangential", directed(&Set::tangential),

@@ -56,6 +56,7 @@ SetColumns columns_of(const SetFile& in) {
   const ContactSet all(columns);
   each_dataset(all, leave_out);
   for (const char* name : {"parameters", "tactel_x", "tactel_y"}) leave_out(name, 0, 0, "");
+  columns.slid_of_cells = !has.contains("slip_path") && in.text("sweep").find("[load.hold]") != std::string::npos;
   if (columns.has("parameters")) {
     columns.parameters = in.texts("parameters", "columns");
     columns.parameter_units = in.texts("parameters", "units");

@@ -27,6 +27,7 @@ struct SetColumns {
   std::vector<float> tactel_y;                           ///< [tactels] mm, of pads, whose x is the fastest
   std::set<std::string> left_out;                        ///< names of datasets that the set does not have
 
+  bool slid_of_cells = false;  ///< of grips without /slip_path, whose /slid may be that, as it was before
   bool has(const char* dataset) const { return !left_out.contains(dataset); }
   /// Returns the directions along the surface.
   int directions() const { return pad ? 2 : 1; }
@@ -67,7 +68,7 @@ struct ContactSet : SetColumns, SetCounts {
   std::vector<float> tangential_force, tangential;  ///< [rows, directions] Q; position since first touch, mm
   std::vector<float> indentation;                   ///< [rows] mm: depth
   std::vector<float> torque, twist, force_ratio;    ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> slid;                          ///< [rows] of pads: slide since first touch over the elastic limit
+  std::vector<float> slid, slip_path;               ///< [rows] of pads: nn::definition of these targets
   std::vector<float> friction;                      ///< [rows] mu
   std::vector<float> stick_fraction;                ///< [rows] stuck share of the contact's length or cells
   std::vector<std::uint16_t> contact_nodes;         ///< [rows] surface nodes, or cells, that touch
@@ -133,6 +134,8 @@ auto set_columns(Set& set) {
       SetColumn{"force_ratio", nullptr, "1; |Q| / (mu P)", set.force_ratio},
       SetColumn{"slid", nullptr, "1; slide of the contact as a whole since first touch over its elastic limit",
                 set.slid},
+      SetColumn{"slip_path", nullptr, "1; rms slips of the cells that touch since first touch, summed, over that limit",
+                set.slip_path},
       SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation},
       SetColumn{"tangential", "mm; position of the indenter along x since first touch",
                 "mm; position of the indenter along x and y since first touch", set.tangential, RowWidth::directions},

@@ -85,8 +85,8 @@ void HeldContact::put_object(std::span<double> heights, std::span<double> cover,
   lowest_ = std::numeric_limits<double>::infinity();
   for (int i = 0; i < cells_.count(); ++i) {
     double& height = heights[static_cast<std::size_t>(i)];
-    height +=
-        highest * hold_.rms + rise_x * (cells_.x(i / cells_.n) - axis[0]) + rise_y * (cells_.y(i % cells_.n) - axis[1]);
+    height += highest * hold_.rms + rise_x * (cells_.x(i / cells_.ny()) - axis[0]) +
+              rise_y * (cells_.y(i % cells_.ny()) - axis[1]);
     lowest_ = std::min(lowest_, height);
   }
   if (!std::isfinite(lowest_)) lowest_ = 0;
@@ -102,8 +102,8 @@ std::array<double, 4> HeldContact::ask(std::size_t k, std::span<double> heights,
 
 void HeldContact::take(std::size_t k, const HeldStep& step) {
   const double own = limit(step);
-  if (own > 0) over_limit_ += step.slid / own;
-  way_ += step.slid;
+  if (own > 0) slip_path_ += step.slip / own, slid_ += step.slides ? step.slip / own : 0;
+  way_ += step.slip;
   last_ = step;
   if (k + 1 != pressing_) return;
   pressed_ = step;

@@ -13,7 +13,8 @@ struct HeldStep {
   std::array<double, 4> force{};  ///< P, Qx, Qy (N), M (N mm) about the object's axis
   std::array<double, 4> pose{};   ///< depth, x, y (mm), twist (rad)
   double area = 0;                ///< mm^2 of the cells that touch
-  double slid = 0;                ///< mm: rms slide in this step of the cells that touch
+  double slip = 0;                ///< mm: rms slide in this step of the cells that touch
+  bool slides = false;            ///< none of them sticks
 };
 
 /// A grip on its way: what its next step asks for, from what the last one said. It is pressed by wrench, then stepped
@@ -32,8 +33,9 @@ class HeldContact {
                             std::array<double, 2>& axis);
   void take(std::size_t k, const HeldStep& step);
 
-  /// How far the cells have slid over the elastic limit.
-  double over_limit() const { return over_limit_; }
+  /// How far the contact has slid as a whole, and the sum of its cells' rms slips, over the elastic limit.
+  double slid() const { return slid_; }
+  double slip_path() const { return slip_path_; }
 
  private:
   void put_object(std::span<double> heights, std::span<double> cover, std::array<double, 2>& axis);
@@ -50,11 +52,12 @@ class HeldContact {
   fem::PadCells cells_;
   std::size_t pressing_;  ///< frames
   std::array<double, 3> place_{};
-  HeldStep last_, pressed_;    ///< of the last step, and of the last of the pressing
-  double lowest_ = 0;          ///< mm: of the object over the cells
-  double pressed_depth_ = 0;   ///< mm from there
-  double unit_ = 0, arm_ = 0;  ///< mm: elastic limit, at most so far that the way stays within H; arm of the turn
-  double way_ = 0, over_limit_ = 0;
+  HeldStep last_, pressed_;          ///< of the last step, and of the last of the pressing
+  double lowest_ = 0;                ///< mm: of the object over the cells
+  double pressed_depth_ = 0;         ///< mm from there
+  double unit_ = 0, arm_ = 0;        ///< mm: elastic limit, at most so far that the way stays within H; arm of the turn
+  double way_ = 0;                   ///< mm: of the cells
+  double slid_ = 0, slip_path_ = 0;  ///< over the elastic limit
 };
 
 }  // namespace tactel::host

@@ -30,7 +30,7 @@ constexpr int most_sweeps = 2000;  ///< of a pose: some need more than a simulat
 /// What a frame of a contact keeps until its rows are gathered.
 struct Kept {
   HeldStep step;
-  double S = 0, stick = 0, residual = 0, over_limit = 0;
+  double S = 0, stick = 0, residual = 0, slid = 0, slip_path = 0;
   int touch = 0, flags = 0;
 };
 
@@ -53,7 +53,7 @@ StepOptions step_options(const fem::PadSensor& sensor, const SetOptions& options
                width = sensor.width.value_or(sensor.tactels[1] * sensor.pitch[1]);
   StepOptions made;
   made.cells = options.pad.cells;
-  made.cell = std::min(length, width) / made.cells;
+  made.cell = {length / options.pad.cells, width / options.pad.cells};
   made.most_sweeps = most_sweeps;
   if (options.accept > 0) made.tolerance = options.accept / fem::slow_on_patch;
   return made;
@@ -76,7 +76,7 @@ Kept kept_of(std::span<const Real> row, double cell_area) {
   kept.S = number(STEP_RESULT_S), kept.stick = number(STEP_RESULT_STICK), kept.residual = number(STEP_RESULT_RESIDUAL);
   kept.touch = static_cast<int>(number(STEP_RESULT_TOUCH)), kept.flags = static_cast<int>(number(STEP_RESULT_FLAGS));
   kept.step.area = kept.touch * cell_area;
-  kept.step.slid = number(STEP_RESULT_SLID);
+  kept.step.slip = number(STEP_RESULT_SLID), kept.step.slides = kept.touch > 0 && kept.stick == 0;
   return kept;
 }
 
@@ -181,7 +181,7 @@ void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bo
       if (k >= grips[c]->kept.size()) continue;
       Kept& kept = grips[c]->kept[k] = kept_of(results.subspan(c * STEP_RESULT_ROWS, STEP_RESULT_ROWS), cells.area());
       held[c].take(k, kept.step);
-      kept.over_limit = held[c].over_limit();
+      kept.slid = held[c].slid(), kept.slip_path = held[c].slip_path();
       std::transform(frames.begin() + static_cast<std::ptrdiff_t>(c * all_inputs),
                      frames.begin() + static_cast<std::ptrdiff_t>(c * all_inputs + inputs),
                      grips[c]->frames.begin() + static_cast<std::ptrdiff_t>(k * inputs),
@@ -236,7 +236,7 @@ void HoldSimulator::put(ContactSet& set, std::size_t at, const Grip& grip, std::
   set.tangential_force[2 * at] = f(Qx), set.tangential_force[2 * at + 1] = f(Qy);
   set.torque[at] = f(M);
   set.force_ratio[at] = f(std::hypot(Qx, Qy) / (grip.scene.friction * P));
-  set.slid[at] = f(kept.over_limit);
+  set.slid[at] = f(kept.slid), set.slip_path[at] = f(kept.slip_path);
   set.indentation[at] = f(kept.step.pose[0]);
   set.tangential[2 * at] = f(kept.step.pose[1]), set.tangential[2 * at + 1] = f(kept.step.pose[2]);
   set.twist[at] = f(fem::degrees(kept.step.pose[3]));

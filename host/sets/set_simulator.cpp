@@ -31,7 +31,7 @@ struct Row {
   double P = 0, indentation = 0, slip_distance = 0, residual = 0;
   std::array<double, 2> Q{}, tangential{};        ///< of lines the first alone
   double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
-  double slid = 0;                                ///< mm, of pads: fem::PadStep::slid
+  double slid = 0, slip_path = 0;                 ///< mm, of pads: as fem::PadStep
   double area = 0;                                ///< of pads: mm^2 of the cells that touch
   fem::PadBox reach{fem::nowhere, fem::nowhere};  ///< of pads: around these, from the indenter's axis
   int across = 0;                                 ///< elements or cells over which they extend, along the shorter side
@@ -87,7 +87,7 @@ template <class Contacts>
     const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
     row.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, row.tangential = {at.x, at.y};
     row.torque = result(PAD_RESULT_M), row.twist = fem::degrees(at.twist), row.area = result(PAD_RESULT_AREA);
-    row.slid = result(PAD_RESULT_SLID);
+    row.slid = result(PAD_RESULT_SLID), row.slip_path = result(PAD_RESULT_SLIP_PATH);
     row.reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
                  {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}};
     if (row.slip_index) row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / (contact.friction * row.P);
@@ -122,7 +122,8 @@ Row row_of(const fem::PadStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
   row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
-  row.area = step.area, row.reach = step.reach, row.across = step.across, row.slid = step.slid;
+  row.area = step.area, row.reach = step.reach, row.across = step.across, row.slid = step.slid,
+  row.slip_path = step.slip_path;
   return row;
 }
 void put_stress(const fem::ContactStep& step, std::span<float> frame) {
@@ -313,21 +314,28 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
   return rows;
 }
 
-/// How far the contact on a pad has slid since first touch over its elastic limit, the shear of a layer that bears mu
-/// times the mean pressure.
+/// How far the contact on a pad, and how far its cells, have slid since first touch over its elastic limit, the shear
+/// of a layer that bears mu times the mean pressure.
 class Slide {
  public:
   void add(const Row& row, const PadContactOf& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
     const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young;
-    if (limit > 0) over_limit_ += std::max(0.0, row.slid - slid_) / limit;  // a step solved alone has a path of its own
-    slid_ = row.slid;
+    whole_.add(row.slid, limit), cells_.add(row.slip_path, limit);
   }
-  double over_limit() const { return over_limit_; }
+  double whole() const { return whole_.over_limit; }
+  double cells() const { return cells_.over_limit; }
 
  private:
-  double slid_ = 0, over_limit_ = 0;  ///< mm, 1
+  struct Way {
+    double way = 0, over_limit = 0;  ///< mm, 1
+    void add(double now, double limit) {
+      if (limit > 0) over_limit += std::max(0.0, now - way) / limit;  // a step solved alone has a path of its own
+      way = now;
+    }
+  };
+  Way whole_, cells_;
 };
 
 /// Contacts whose rows go into a set, the next of each into row `at`.
@@ -354,7 +362,8 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
       const Row row = from.steps.row(k);
       if constexpr (of_pads) from.slide.add(row, contact);
       if (!is_row(row, contact, k)) continue;
-      if constexpr (of_pads) set.slid[from.at] = static_cast<float>(from.slide.over_limit());
+      if constexpr (of_pads) set.slid[from.at] = static_cast<float>(from.slide.whole());
+      if constexpr (of_pads) set.slip_path[from.at] = static_cast<float>(from.slide.cells());
       put_row(set, from.at++, from.steps, row, contact, k);
     }
 }

@@ -17,6 +17,7 @@ const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
   return target == nn::Target::slip_index    ? set.slip_index
          : target == nn::Target::force_ratio ? set.force_ratio
          : target == nn::Target::slid        ? set.slid
+         : target == nn::Target::slip_path   ? set.slip_path
                                              : set.stick_fraction;
 }
 
@@ -44,7 +45,7 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
-    const bool slides = target == nn::Target::slid;
+    const bool slides = nn::is_slide(target);
     frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) =
         slides ? nn::slid_target(answer[row]) : answer[row];
     if (slides) frames.slid.push_back(answer[row]);
@@ -71,8 +72,11 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
 void require_answers(const SetColumns& columns, const std::string& file, nn::Target target) {
   if (target == nn::Target::force_ratio && !columns.pad)
     throw ConfigError(file, nn::name(target), "missing", "a set of pads; of lines slip_index is this ratio");
-  if (target == nn::Target::slid && !columns.pad)
+  if (nn::is_slide(target) && !columns.pad)
     throw ConfigError(file, nn::name(target), "missing", "a set of pads: lines do not count how far they slide");
+  if (target == nn::Target::slid && columns.slid_of_cells)
+    throw ConfigError(file, "slid", "of grips without /slip_path, which older sets have under this name",
+                      "a set that is generated anew, with both");
   require_datasets(
       columns, file,
       {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status", nn::name(target)});

@@ -57,10 +57,11 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
-  if (request.friction && request.target == "slid")
+  const bool slides = nn::is_slide(nn::parse_target(request.target));
+  if (request.friction && slides)
     throw ConfigError("command line", "--friction", "given",
-                      "left out with --target slid, which does not depend on mu");
-  if (request.target != "slid") refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid");
+                      fmt::format("left out with --target {}, which does not depend on mu", request.target));
+  if (!slides) refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid or slip_path");
   if (request.stream.empty() && !request.rung.empty())
     throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");

@@ -23,8 +23,12 @@
 #endif
 #define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
 
-#define COUNT (CELLS * CELLS)
-#define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
+/* CELLS_Y, of steps alone: cells along y where they are not CELLS, as along x. Cell (i, j) has index i CELLS_Y + j. */
+#ifndef CELLS_Y
+#define CELLS_Y CELLS
+#endif
+#define COUNT (CELLS * CELLS_Y)
+#define SPAN (2 * CELLS_Y + 1) /* offsets -CELLS_Y to CELLS_Y: those of the ring, too */
 #define RING (CELLS + 2)
 #define RING_PLACES (4 * (CELLS + 1))
 #define EACH_VECTOR(v) EACH(v, VECTORS)
@@ -109,19 +113,21 @@ typedef struct {
   Lanes mu;                                         /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
   Lanes slid;                 /* sum over the increments without a sticking cell of the rms slide of those that touch */
+  Lanes slip_path;            /* the same over all increments */
   Lanes sweeps, trial_sweeps; /* of this increment, and since the indenter last moved */
   Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
   Masks valid, running, active, failed, lost, by_force, searching;
 #if STEPPED
-  Lanes deep; /* up to which depth `near` holds */
-  Masks anew; /* heights, covers or mu are not those of the last increment: the lane solves, wherever it moves */
+  Lanes deep;  /* up to which depth `near` holds */
+  Masks anew;  /* heights, covers or mu are not those of the last increment: the lane solves, wherever it moves */
+  Masks below; /* the depth asked for is beyond the rubber */
 #endif
   side half_size;
 } State;
 
-static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
-static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
+static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS_Y) - (real)0.5 * (CELLS - 1)) * c->hx; }
+static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS_Y) - (real)0.5 * (CELLS_Y - 1)) * c->hy; }
 
 /* The nine sums of a displacement, each a chain of its own: additions do not wait for each other. */
 typedef struct {
@@ -137,7 +143,7 @@ typedef struct {
 #define NUMBER_ZX PAD_XZ
 #define NUMBER_ZY PAD_YZ
 #define NUMBER_YX PAD_XY
-#define AT_TABLE(i) (PAD_INFLUENCE * ((i) / CELLS * SPAN + (i) % CELLS))
+#define AT_TABLE(i) (PAD_INFLUENCE * ((i) / CELLS_Y * SPAN + (i) % CELLS_Y))
 #endif
 
 /* Adds the products of cell j and its entry of the table. */
@@ -226,7 +232,7 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
   if (ix < CELLS - 1) TURN_X(s);
 #else
 #if DENSE
-  global const real *row = influence->table + (size_t)PAD_PAIR * COUNT * (ix * CELLS + iy);
+  global const real *row = influence->table + (size_t)PAD_PAIR * COUNT * (ix * CELLS_Y + iy);
 #else
   global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
 #endif
@@ -245,7 +251,7 @@ static void list_cells(const Masks *lanes, Cells *c) {
   int listed = 0;
   for (int x = 0; x < CELLS; ++x) {
     int from = 0, to = 0;
-    for (int i = x * CELLS; i < (x + 1) * CELLS; ++i) {
+    for (int i = x * CELLS_Y; i < (x + 1) * CELLS_Y; ++i) {
       vint any = c->window[i].v[0] & lanes->v[0];
       for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v] & lanes->v[v];
       const int found = ANY(any);

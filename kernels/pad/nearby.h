@@ -55,7 +55,7 @@ OUTLINE void come_near(const Influence *influence, global const vreal *heights, 
   ROLLED for (int k = 0; k < unknowns; ++k) {
     const int i = unknown[k];
     Lanes ux, uy, uz;
-    displacement(influence, c, i / CELLS, i % CELLS, &ux, &uy, &uz);
+    displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &ux, &uy, &uz);
     EACH_VECTOR(v) {
       global vreal *own = kept + v * rows;
       const vint asks = (in_step ? s->active.v[v] & c->near[i].v[v] : c->near[i].v[v]) &

@@ -46,7 +46,8 @@ OUTLINE void first_pose(const Influence *influence, const Stiffness *stiff, glob
     /* depth */
     w->power.v[v] = PICK(kept[STEP_POWER] > 0, kept[STEP_POWER], ALL_LANES((real)1.5));
     const vreal over = LARGER(s->d.v[v] - s->lowest.v[v], ALL_LANES((real)1e-6));
-    const vreal deeper = over * depth_factor(T / LARGER(P, ALL_LANES(LEAST_FORCE)), w->power.v[v]);
+    const vreal deeper = SMALLER(over * depth_factor(T / LARGER(P, ALL_LANES(LEAST_FORCE)), w->power.v[v]),
+                                 ALL_LANES((real)STEP_MOST_DEPTH));
     const vreal d =
         PICK(P > 0, PICK(fabs(T - P) <= within, s->d.v[v], s->lowest.v[v] + deeper), s->lowest.v[v] + FIRST_STEP);
     to->normal.v[v] = PICK(presses, PICK(s->searching.v[v], d, s->d.v[v]),
@@ -96,7 +97,8 @@ static inline void next_depth_of(Search *w, const State *s, int v, vint goes_on,
   const vreal trial =
       over * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES(LEAST_FORCE)), w->power.v[v]), ALL_LANES(4));
   const vreal halved = PICK(w->high.v[v] < NO_BOUND, (w->low.v[v] + w->high.v[v]) / 2, 2 * over);
-  const vreal next = PICK((trial > w->low.v[v]) & (trial < w->high.v[v]), trial, halved);
+  const vreal next =
+      SMALLER(PICK((trial > w->low.v[v]) & (trial < w->high.v[v]), trial, halved), ALL_LANES((real)STEP_MOST_DEPTH));
   *d = PICK(goes_on & NOT(met), s->lowest.v[v] + next, s->d.v[v]);
 }
 

@@ -72,7 +72,7 @@ static vreal slip_margin(const Influence *influence, const Cells *c, const State
     Wy += c->ty[i].v[v];
     M = fma(ALL_LANES(x), c->ty[i].v[v], fma(ALL_LANES(-y), c->tx[i].v[v], M));
   }
-  return margin_of(influence, c, s, v, Wx, Wy, M);
+  return SMALLER(ALL_LANES(1), margin_of(influence, c, s, v, Wx, Wy, M)); /* which it is but for rounding */
 }
 
 #endif

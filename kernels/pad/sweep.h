@@ -20,7 +20,7 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
   ROLLED for (int k = 0; k < c->listed; ++k) {
     const int i = c->list[k];
     Lanes ux, uy, uz;
-    displacement(influence, c, i / CELLS, i % CELLS, &ux, &uy, &uz);
+    displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &ux, &uy, &uz);
 #if STEPPED
     add_own(c, i, &ux, &uy, &uz);
 #endif
@@ -68,7 +68,7 @@ OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, S
   list_cells(&all, c);
   ROLLED for (int k = 0; k < SUMMED(c); ++k) {
     const int i = CELL_SUMMED(c, k);
-    displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
+    displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &c->ux[i], &c->uy[i], &c->uz[i]);
 #if STEPPED
     add_own(c, i, &c->ux[i], &c->uy[i], &c->uz[i]);
 #endif

@@ -90,9 +90,10 @@ enum PadResultRow {
   PAD_RESULT_RIGHT,
   PAD_RESULT_BELOW, /* y */
   PAD_RESULT_ABOVE,
-  PAD_RESULT_ACROSS, /* cells over which they extend, along the shorter side of the own frame */
-  PAD_RESULT_CELL,   /* mm: the longer side of a cell */
-  PAD_RESULT_SLID,   /* mm: sum over the increments without a sticking cell of the rms slide of those that touch */
+  PAD_RESULT_ACROSS,    /* cells over which they extend, along the shorter side of the own frame */
+  PAD_RESULT_CELL,      /* mm: the longer side of a cell */
+  PAD_RESULT_SLID,      /* mm: sum over the increments without a sticking cell of the rms slide of those that touch */
+  PAD_RESULT_SLIP_PATH, /* mm: the same over all increments */
   PAD_RESULT_ROWS
 };
 

@@ -8,7 +8,8 @@ enum PadStepInputRow {
   STEP_MU = 0,
   STEP_AXIS_X, /* the object's axis on the pad, about which twist and torque are */
   STEP_AXIS_Y,
-  STEP_TO, /* four rows: depth, x, y, twist (rad) after the step; or the wrench P, Qx, Qy, M about the axis */
+  STEP_BEYOND, /* least height of the object over rubber beyond the grid, PAD_OPEN: none; below 0: not known */
+  STEP_TO,     /* four rows: depth, x, y, twist (rad) after the step; or the wrench P, Qx, Qy, M about the axis */
   STEP_INPUT_ROWS = STEP_TO + 4
 };
 
@@ -58,12 +59,26 @@ enum PadStepResultRow {
   STEP_RESULT_ROWS
 };
 enum PadStepFlag {
-  STEP_OPEN = 1,    /* no cell touches */
-  STEP_SLIDES = 2,  /* every cell that touches slips, or the wrench is beyond what friction bears */
-  STEP_UNMET = 4,   /* the wrench was not met, or the sweeps did not settle */
-  STEP_EDGE = 8,    /* an outermost cell touches */
-  STEP_INVALID = 16 /* numbers that are no input: the contact stays as it was */
+  STEP_OPEN = 1,     /* no cell touches */
+  STEP_SLIDES = 2,   /* every cell that touches slips, or the wrench is beyond what friction bears */
+  STEP_UNMET = 4,    /* the wrench was not met, or the sweeps did not settle */
+  STEP_EDGE = 8,     /* an outermost cell touches, beside rubber beyond the grid that the object may touch */
+  STEP_INVALID = 16, /* numbers that are no input: the contact stays as it was */
+  STEP_DEEP = 32,    /* deeper than the linear model holds: STEP_DEEP_FACE, STEP_DEEP_CURVED */
+  STEP_REACH = 64    /* the object is deeper than the surface of rubber beyond the grid, which no cell sees */
 };
+
+/* Depths over H from which a contact is STEP_DEEP. Of faces P is 8 % above the linear one there, of balls below 2 %
+   (docs/notebook/2026-11-29-steps.md). Faces: most of more than four touching cells lie less than STEP_FLAT of the
+   depth above the lowest point. */
+#define STEP_DEEP_FACE 0.05f
+#define STEP_DEEP_CURVED 0.25f
+#define STEP_FLAT 0.1f
+/* Inputs beyond these are none: depths over H from the lowest cell, ways over H and turns since the reset, forces over
+   E H^2. */
+#define STEP_MOST_DEPTH 1.0f
+#define STEP_MOST_WAY 1e4f
+#define STEP_MOST_FORCE 1e6f
 
 /* Rows of stresses that kernel pad_frames sums at once. */
 enum { STEP_FRAME_BLOCK = 8 };

@@ -58,7 +58,10 @@ infer::PadShape checked_shape(std::size_t tactels, std::size_t axes, const Alarm
   return shape;
 }
 
-bool estimates_slid(const SlipEstimator& network) { return network.metadata("target") == nn::name(nn::Target::slid); }
+bool estimates_slide(const SlipEstimator& network) {
+  const std::string target = network.metadata("target");
+  return target == nn::name(nn::Target::slid) || target == nn::name(nn::Target::slip_path);
+}
 
 /// Returns the rules with their threshold, with a rest where one is needed, and with a threshold of touch.
 AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
@@ -67,14 +70,14 @@ AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
   const std::string target = network.metadata("target");
   const bool left = options.signal == AlarmSignal::left, own = options.at == AlarmOptions().at && !left;
   if (left && options.at == AlarmOptions().at) options.at = 1;
-  if (own && estimates_slid(network) && network.alarm_at() == 0)
+  if (own && estimates_slide(network) && network.alarm_at() == 0)
     throw InputError("at", "missing, and not in the network's file",
                      "give 1.2 times the largest answer in a hold that holds (tactel tare --hold --network)");
   if (own) options.at = network.alarm_at() > 0 ? network.alarm_at() : usual_at;
   check(options, *options.touch, network.has_bound());
   const bool never = options.at == std::numeric_limits<float>::infinity();
-  if (!never && options.signal == AlarmSignal::slip && !target.empty() && !estimates_slid(network))
-    throw InputError("network", "estimates " + target, "give one of S or slid: the alarm is for slip");
+  if (!never && options.signal == AlarmSignal::slip && !target.empty() && !estimates_slide(network))
+    throw InputError("network", "estimates " + target, "give one of S, slid or slip_path: the alarm is for slip");
   return options;
 }
 
@@ -177,7 +180,7 @@ struct Alarm::State {
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
     : state_(new State(network, checked(network, options))) {
   state_->has_bound = network.has_bound(), state_->needs_rest = network.needs_rest();
-  state_->takes_friction = network.takes_friction(), state_->of_slid = estimates_slid(network);
+  state_->takes_friction = network.takes_friction(), state_->of_slid = estimates_slide(network);
 }
 Alarm::Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options)
     : state_(new State(checked(tactels, axes, options), tactels, axes)) {}

@@ -28,6 +28,7 @@ using std::string_view;
 
 constexpr const char* own_network = "a network that tactel wrote, whole and unchanged";
 constexpr const char* checksum_key = "checksum";
+constexpr const char* definition_key = "target_definition";
 constexpr std::size_t most_parts = 256;  ///< tensors, and entries of the metadata: more than any network has
 
 /// Why some bytes are no network of ours.
@@ -94,6 +95,7 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
   }
   if (model.magnitude) metadata["magnitude"] = "1";
   if (model.target != nn::Target::slip_index) metadata["target"] = nn::name(model.target);
+  if (nn::is_slide(model.target)) metadata[definition_key] = nn::definition(model.target);
   for (const auto& [key, number] : ranges_of(model.learnt))
     if (*number != 0) metadata[key] = exact(*number);
   if (model.bound) add_bound_metadata(*model.bound, metadata);
@@ -179,10 +181,11 @@ Message message_of(const Graph& graph) {
   return message;
 }
 
-/// The file of a network by a version of tactel.
-string bytes_of(const nn::Model& model, const string& version) {
+/// The file of a network by a version of tactel, with what its target is unless that is `unsaid`.
+string bytes_of(const nn::Model& model, const string& version, bool unsaid = false) {
   const Graph contents = graph_of(model);
   Metadata metadata = metadata_of(model, version);
+  if (unsaid) metadata.erase(definition_key);
   metadata[checksum_key] = checksum_of(contents.tensors, metadata);
   Message message, opset;
   message.add(ir_version, 7);  // the one that came with opset 13 (ONNX 1.8)
@@ -439,8 +442,15 @@ NetworkFile read(string_view bytes) {
   if (text_of(contents.metadata, checksum_key) != checksum_of(contents.tensors, contents.metadata))
     throw Refused{"damaged (its checksum does not match)"};
   nn::Model model = model_of(contents);
-  const string written = bytes_of(model, text_of(contents.metadata, "tactel"));
+  // Files of before do not say what their `slid` is: sets of grips had the cells' slips under that name.
+  const bool unsaid = model.target == nn::Target::slid && !contents.metadata.contains(definition_key);
+  const string written = bytes_of(model, text_of(contents.metadata, "tactel"), unsaid);
   if (sorted_fields(bytes) != sorted_fields(written)) throw Refused{"a model of another form"};
+  if (unsaid) {
+    model.target = nn::Target::slip_path;
+    contents.metadata["target"] = nn::name(model.target);
+    contents.metadata[definition_key] = string(nn::definition(model.target)) + ", if grips taught it; else slid";
+  }
   return {std::move(model), std::move(contents.metadata)};
 }
 

@@ -79,7 +79,9 @@ TEST(InferHost, HasANetworkOfUskinPads) {
   const SlipEstimator network = SlipEstimator::load("uskin-4x4");
   EXPECT_EQ(network.inputs(), 96u);
   EXPECT_EQ(network.tactels(), 16u);
-  EXPECT_EQ(network.metadata("target"), "slid");
+  EXPECT_EQ(network.metadata("target"), "slip_path");
+  EXPECT_EQ(network.metadata("target_definition"),
+            "D / (1 + D), D: rms slips of its cells since rest, summed, over its elastic limit");
   Alarm alarm(network, {.touch = 0.01});
   std::vector<float> frame(48, -0.1f);
   std::fill(frame.begin() + 16, frame.end(), 0.03f);

@@ -129,17 +129,42 @@ class Steps(unittest.TestCase):
         out = steps.press([0.5, 0, 0, 0])
         self.assertEqual(out.frames.shape, (3, 36))
         self.assertEqual(out.frames.dtype, np.float32)
-        self.assertTrue(hasattr(out.frames, "__dlpack__") or np.__version__ < "1.23")
+        with self.assertRaises(ValueError):
+            out.frames[0] = 1
+        if np.__version__ >= "1.23":
+            np.testing.assert_array_equal(np.from_dlpack(out), out.frames)
         steps.press([0.4, 0, 0, 0])
         with self.assertRaisesRegex(tactel.InputError, "before the next step"):
             out.frames
+
+    def test_a_grid_is_fitted_to_a_pad_with_sides(self):
+        pad = PAD.with_(length=6.0, width=2.0)
+        fitted, own = tactel.PadStepper(pad, 1, 0.5), tactel.PadStepper(pad, 1, 0.5, cells=[12, 4], cell=(0.5, 0.4))
+        for steps, x, y in ((fitted, 6.0, 2.0), (own, 6.0, 1.6)):
+            for places, length in ((steps.cell_x, x), (steps.cell_y, y)):
+                sides = np.unique(np.round(places, 9))
+                self.assertAlmostEqual(len(sides) * (sides[1] - sides[0]), length)
+        self.assertEqual(len(tactel.PadStepper(pad, 1, 0.5, cells=9).cell_x), 81)
+        for steps, flags in ((fitted, 0), (own, own.EDGE | own.REACH)):
+            steps.shapes(tactel.Box((9.0, 9.0)))
+            self.assertEqual(steps.move([0.05, 0, 0, 0]).flags[0], flags)
+        self.assertEqual(fitted.move([0.1, 0, 0, 0]).flags[0], fitted.DEEP)  # 5 % of the thickness
+        self.assertEqual(fitted.move([0.1, 1e20, 0, 0]).flags[0], fitted.DEEP | fitted.INVALID)
 
     def test_what_is_wrong_is_said(self):
         with self.assertRaisesRegex(tactel.InputError, "cell: 0.5; must be 0.25 mm at most, as 16 cells lie within the pad"):
             tactel.PadStepper(PAD.with_(length=4, width=5), 3, MU)
         with self.assertRaisesRegex(tactel.InputError, "friction"):
             tactel.PadStepper(PAD, 2, MU)
+        with self.assertRaisesRegex(tactel.InputError, "count: 2147483648; must be .* at most"):
+            tactel.PadStepper(PAD, 2**31, 0.5)
         steps = ball()
+        state = steps.state()
+        with self.assertRaisesRegex(tactel.InputError, "one of 12 x 12 cells of 0.2 x 0.2 H, nu 0.45; must be one of 9 x 16 cells"):
+            tactel.PadStepper(PAD, 3, MU, cells=[9, 16], cell=0.4).set_state(state)
+        state[1, -1] = np.nan
+        with self.assertRaisesRegex(tactel.InputError, "finite"):
+            steps.set_state(state)
         for wrong in (lambda: steps.press(np.zeros((2, 4))), lambda: steps.move(), lambda: steps.set_state(np.zeros((3, 7))),
                       lambda: steps.shapes([tactel.PadIndenter(tactel.Sphere(8))] * 2), lambda: steps.reset([True]),
                       lambda: steps.press([1, 0, 0, 0], cover=np.ones(144)), lambda: steps.state([7]),

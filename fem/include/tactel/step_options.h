@@ -5,10 +5,23 @@
 
 namespace tactel {
 
-/// How contacts are stepped (docs/stepping.md).
+/// A number for x and y alike, or one for each.
+template <class Number>
+struct AlongXY {
+  Number x{}, y{};
+  bool given = false;  ///< false: by the pad
+
+  constexpr AlongXY() = default;
+  constexpr AlongXY(Number both) : x(both), y(both), given(true) {}
+  constexpr AlongXY(Number x, Number y) : x(x), y(y), given(true) {}
+};
+
+/// How contacts are stepped (docs/stepping.md). The grid is fixed to the pad about its middle.
 struct StepOptions {
-  int cells = 16;                 ///< along a side of the grid, which is fixed to the pad about its middle; 4 to 24
-  double cell = 0.5;              ///< mm, side of a cell
+  /// Cells along x and y, 4 to 24. By the pad: 16 x 16; of free sides some 256 that are nearly square.
+  AlongXY<int> cells{};
+  /// mm, sides of a cell. By the pad: 0.5; those that just cover a pad with free sides.
+  AlongXY<double> cell{};
   double tolerance = 1e-3;        ///< of the sweeps: largest change of a traction over the largest pressure
   double force_tolerance = 2e-3;  ///< of a wrench, over its P
   int most_sweeps = 400;          ///< of a pose
@@ -22,8 +35,10 @@ enum StepFlag : std::uint32_t {
   step_open = 1,      ///< nothing touches
   step_slides = 2,    ///< every cell that touches slips, or the wrench is beyond what friction bears
   step_unmet = 4,     ///< the wrench was not met, or the sweeps did not settle
-  step_edge = 8,      ///< an outermost cell touches: the contact may reach beyond the grid
+  step_edge = 8,      ///< an outermost cell touches beside rubber beyond the grid: the contact may reach there
   step_invalid = 16,  ///< numbers that are no input: the contact stays as it was
+  step_deep = 32,     ///< deeper than the linear model holds: faces from 0.05 of the thickness, curved objects 0.25
+  step_reach = 64,    ///< the object lies deeper than the surface of rubber beyond the grid
 };
 
 }  // namespace tactel

@@ -154,7 +154,7 @@ void check_request(const MonitorRequest& request, std::span<const nn::Model> net
   if (request.view && by_rest)
     throw ConfigError("command line", "--view", "", "left out with --signal left or moved: it shows S");
   const nn::Target target = none ? nn::Target::slip_index : networks.front().target;
-  const bool alarms = by_rest || target == nn::Target::slip_index || target == nn::Target::slid;
+  const bool alarms = by_rest || target == nn::Target::slip_index || nn::is_slide(target);
   if ((request.view && target != nn::Target::slip_index) || (!request.alarm_given.empty() && !alarms))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
@@ -183,7 +183,7 @@ std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn:
     return number;
   }
   if (left) return 1.0f;
-  if (!moved && (networks.empty() || networks.front().target != nn::Target::slid)) return default_alarm;
+  if (!moved && (networks.empty() || !nn::is_slide(networks.front().target))) return default_alarm;
   if (const double of_hold = moved ? calibration.moved : calibration.slid; of_hold > 0)
     return static_cast<float>(of_hold);
   if (!moved && networks.front().learnt.alarm_at > 0) return networks.front().learnt.alarm_at;
@@ -240,7 +240,7 @@ int run_monitor(MonitorRequest request) {
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
   options.ignore_unlike = request.unlike == "ignore";
-  if (target == nn::Target::slip_index || target == nn::Target::slid) options.true_slip_index = opened.true_slip_index;
+  if (target == nn::Target::slip_index || nn::is_slide(target)) options.true_slip_index = opened.true_slip_index;
   if ((request.alarm || options.rest) && !touch_known && opened.profile.map.calibration.has_zero)
     throw ConfigError("command line", request.alarm ? "--alarm" : "--rest",
                       request.alarm ? fmt::format("{}", *request.alarm) : "",
@@ -262,7 +262,7 @@ int run_monitor(MonitorRequest request) {
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
-  const char* const name = networks.empty() ? nullptr : nn::name(target);
+  const char* const name = networks.empty() ? nullptr : nn::is_slide(target) ? "slid" : nn::name(target);
   say_left(request, opened.profile.map);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(request.seconds);

@@ -169,8 +169,8 @@ std::vector<nn::Model> networks_of(const TareRequest& request) {
   if (request.holds.empty())
     throw ConfigError("command line", "--network", request.network, "given with --hold, whose slid it judges");
   std::vector<nn::Model> networks{read_onnx(request.network)};
-  if (networks.front().target != nn::Target::slid)
-    throw ConfigError("command line", "--network", nn::name(networks.front().target), "a network of slid");
+  if (!nn::is_slide(networks.front().target))
+    throw ConfigError("command line", "--network", nn::name(networks.front().target), "a network of slid or slip_path");
   return networks;
 }
 

@@ -97,13 +97,19 @@ TEST(PadClosedForms, WhereAllSlidesItSlidesAsFarAsTheIndenterGoes) {
   const std::vector<PadStep> steps = s.path({{1, 0, 0}, {1.5, 0, 0}, {1.25, 0, 0}, {0, 0, 0}}, 12, s.mu);
   EXPECT_EQ(steps[0].slid, 0);
   EXPECT_NEAR(steps[2].slid - steps[1].slid, 0.5, 1e-6);
+  EXPECT_NEAR(steps[2].slip_path - steps[1].slip_path, 0.5, 1e-6);
   // Back by far more than the contact's 0.01, in one increment: the way less what the rubber goes back. That is twice
   // `sliding` in the middle and, as u_x = pi q (6 a^2 - 2.5 x^2 - 3.5 y^2) / (32 G a) under a Hertzian shear (Johnson,
   // Contact Mechanics, 7.2), 3/4 of it in the mean.
   EXPECT_NEAR(steps[4].slid - steps[3].slid, 1.25, 1e-6);
   const double sliding = 3 * s.mu * steps[0].P * (2 - s.nu) / (16 * s.a) * 2 * (1 + s.nu);  // G = E / 2 (1 + nu), E = 1
   EXPECT_NEAR(steps[3].slid - steps[2].slid, 0.25 - 1.5 * sliding, 0.1 * sliding);
-  for (const PadStep& step : s.path({{0.9 * sliding, 0, 0}, {-0.8 * sliding, 0, 0}}, 12, s.mu)) EXPECT_EQ(step.slid, 0);
+  const std::vector<PadStep> sticks = s.path({{0.9 * sliding, 0, 0}, {-0.8 * sliding, 0, 0}}, 12, s.mu);
+  for (const PadStep& step : sticks) EXPECT_EQ(step.slid, 0);
+  // Cells at the rim slip, both ways, each less than the indenter moves.
+  EXPECT_GT(sticks[1].slip_path, sticks[0].slip_path + 0.1 * sliding);
+  EXPECT_GT(sticks[2].slip_path, sticks[1].slip_path + 0.1 * sliding);
+  EXPECT_LT(sticks[2].slip_path, 2.6 * sliding);
 }
 
 TEST(PadClosedForms, CattaneoMindlin) {

@@ -456,6 +456,47 @@ twist = { uniform = [0, 20] }
   EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "theirs", set}), {"networks of one target"}));
 }
 
+/// Sets of grips had the cells' slips as /slid: such a set is no judge of either slide.
+TEST(TrainCommand, KeepsTheTwoSlidesApart) {
+  const ScratchFolder folder;
+  const std::string sweep = folder.write("grips.toml", R"([sweep]
+contacts = 4
+seed = 3
+[sensor]
+kind = "pad"
+tactels = [2, 2]
+thickness = 2
+[indenter]
+shape = "sphere"
+radius = { uniform = [4, 9] }
+[contact]
+friction = 0.5
+[load]
+normal_force = { uniform = [0.5, 2] }
+[load.hold]
+frames = 30
+)");
+  const std::string set = folder / "set.h5", former = folder / "former.h5";
+  ASSERT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", set, "--quiet"}).exit_code, 0);
+  ContactSet without = read_contact_set(set);
+  EXPECT_NE(without.slid, without.slip_path);
+  without.left_out.insert("slip_path");
+  write_contact_set(former, without);
+  const auto train = [&](const std::string& file, const char* target) {
+    return run_tactel({"train", file, "--output", folder / target, "--target", target, "--cycles", "5", "--network",
+                       "12-3-1", "--force", "--quiet"});
+  };
+  for (const char* target : {"slid", "slip_path"}) {
+    ASSERT_EQ(train(set, target).exit_code, 0);
+    const nn::Model model = read_onnx(folder / target / "12-3-1_noise0_seed1.onnx");
+    EXPECT_STREQ(nn::name(model.target), target);
+    EXPECT_THAT(run_tactel({"recall", folder / target, set}).out,
+                HasSubstr(std::string("errors |") + target + " - " + target + " of the set|"));
+    EXPECT_TRUE(is_refused(run_tactel({"recall", folder / target, former}), {"slip_path"}));
+    EXPECT_TRUE(is_refused(train(former, target), {"slip_path"}));
+  }
+}
+
 // S of the validation set is that of the learning set turned round: learning makes it worse from some early cycle on.
 TEST(TrainCommand, StopsEarlyAndSaysWhy) {
   const ScratchFolder folder;
@@ -524,7 +565,8 @@ const WrongCall wrong_calls[] = {
     {"UnknownActivation", "--schedule batch --activation tanh",
      "--activation = tanh: must be one of logistic, leaky-relu"},
     {"RatioOfALine", "--target force_ratio", "force_ratio = missing: must be a set of pads"},
-    {"UnknownTarget", "--target mu", "--target = mu: must be one of slip_index, force_ratio, stick_fraction, slid"},
+    {"UnknownTarget", "--target mu",
+     "--target = mu: must be one of slip_index, force_ratio, stick_fraction, slid, slip_path"},
     {"BoundOfAnotherTarget", "--schedule batch --bound --target stick_fraction",
      "--target = stick_fraction: must be slip_index with --bound"},
     {"BatchZero", "--schedule batch --batch 0", "--batch = 0"},

@@ -205,7 +205,8 @@ TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
   nn::Model model = some_model("16-9-1", ScalingKind::frame);
   const nn::RowMatrix<float> frames = bumps(20, 16, 9).frames;
   const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(frames.cast<double>());
-  for (const nn::Target target : {nn::Target::force_ratio, nn::Target::stick_fraction}) {
+  for (const nn::Target target :
+       {nn::Target::force_ratio, nn::Target::stick_fraction, nn::Target::slid, nn::Target::slip_path}) {
     model.target = target;
     const onnx::ModelProto file = parsed(model);
     EXPECT_NO_THROW(onnx::checker::check_model(file));
@@ -217,8 +218,20 @@ TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
     onnx::ModelProto crafted = file;
     metadata(crafted, "target") = "mu";
     put(sealed(crafted));
-    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio, stick_fraction or slid"));
+    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio, stick_fraction, slid or slip_path"));
   }
+}
+
+/// Files of before did not say what their `slid` is: it is what sets of grips had under that name, their cells' slips.
+TEST_F(OnnxFile, ASlideWithoutADefinitionIsThatOfCells) {
+  nn::Model model = some_model("16-9-1", ScalingKind::frame);
+  model.target = nn::Target::slid;
+  onnx::ModelProto file = parsed(model);
+  EXPECT_EQ(metadata(file, "target_definition"), nn::definition(nn::Target::slid));
+  for (int k = 0; k < file.metadata_props_size(); ++k)
+    if (file.metadata_props(k).key() == "target_definition") file.mutable_metadata_props()->DeleteSubrange(k--, 1);
+  put(sealed(file));
+  EXPECT_EQ(read_onnx(path_).target, nn::Target::slip_path);
 }
 
 TEST_F(OnnxFile, SaysWhatIsWrongWithABadFile) {

@@ -53,7 +53,7 @@ TEST_F(HoldSet, RowsAreThoseOfTheStepperDrivenWithTheSameMotions) {
   ASSERT_EQ(set.rows(), 3u * 40);
   PadStepper<float> steps(executor_, grips.sensors().front(), 1, std::array{0.5}, {.cells = 8, .cell = 18.8 / 8});
   steps.set_heights(std::span<const double>(std::vector<double>(64, 0.0)));
-  double slid = 0;  // over the shear of the layer under mu times the mean pressure
+  double path = 0;  // over the shear of the layer under mu times the mean pressure
   for (std::size_t k = 0; k < 40; ++k) {
     SCOPED_TRACE(k);
     if (k < 4)
@@ -63,14 +63,15 @@ TEST_F(HoldSet, RowsAreThoseOfTheStepperDrivenWithTheSameMotions) {
                                        set.twist[k] * std::numbers::pi / 180});
     const auto number = [&](int of) { return steps.results()[static_cast<std::size_t>(of)]; };
     const double area = number(STEP_RESULT_TOUCH) * 2.35 * 2.35;
-    slid += number(STEP_RESULT_SLID) / (0.5 * number(STEP_RESULT_P) / area * 4 * 2 * 1.48 / 0.5);
+    path += number(STEP_RESULT_SLID) / (0.5 * number(STEP_RESULT_P) / area * 4 * 2 * 1.48 / 0.5);
     for (const std::size_t row : {k, k + 40, k + 80}) {
       EXPECT_EQ(set.step[row], k);
       EXPECT_NEAR(set.normal_force[row], number(STEP_RESULT_P), 1e-4);  // poses of fp32; sweeps settle to 1e-3
       EXPECT_NEAR(set.tangential_force[2 * row + 1], number(STEP_RESULT_QY), 1e-4);
       EXPECT_NEAR(set.tangential_force[2 * row], number(STEP_RESULT_QX), 1e-4);
       EXPECT_NEAR(set.slip_index[row], number(STEP_RESULT_S), 1e-4);
-      EXPECT_NEAR(set.slid[row], slid, 1e-3);
+      EXPECT_NEAR(set.slip_path[row], path, 1e-3);
+      EXPECT_EQ(set.slid[row], 0);  // cells stick
       for (std::size_t i = 0; i < 48; ++i) EXPECT_NEAR(set.frames[48 * row + i], steps.frames()[i], 1e-6);
     }
   }
@@ -78,7 +79,7 @@ TEST_F(HoldSet, RowsAreThoseOfTheStepperDrivenWithTheSameMotions) {
   EXPECT_NEAR(set.tangential_force[2 * 39 + 1] / 3, 0.75, 0.003);
   for (const std::size_t k : {3, 12, 39}) EXPECT_NEAR(set.normal_force[k], 6, 0.03);
   EXPECT_EQ(set.status[39], 0);
-  EXPECT_GT(set.slid[39], 0.01);
+  EXPECT_GT(set.slip_path[39], 0.01);
 }
 
 /// A load of 1.2 mu P slides: the force stays at friction's limit, and the object goes on.
@@ -91,6 +92,10 @@ TEST_F(HoldSet, BeyondFrictionTheObjectSlides) {
   EXPECT_NEAR(set.force_ratio[last], 1, 0.005);
   EXPECT_EQ(set.status[last], 1);
   EXPECT_GT(set.slid[last], set.slid[last - 10] + 0.2);
+  for (std::size_t k = 1; k <= last; ++k) {  // what both add up while all slides is the same
+    const float more = set.slip_path[k] - set.slip_path[k - 1];
+    EXPECT_NEAR(set.slid[k] - set.slid[k - 1], set.stick_fraction[k] > 0 ? 0 : more, 1e-5) << k;
+  }
 }
 
 /// Uneven faces that tilt, by motion and by force, below and beyond friction's limit. The kernel meets P of the
@@ -122,7 +127,7 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
         HeldStep step;
         for (int i = 0; i < 4; ++i) step.force[static_cast<std::size_t>(i)] = state.force[i];
         step.pose = {twin.depth(), twin.motion()[0], twin.motion()[1], twin.motion()[2]};
-        step.area = state.touching * cells.area(), step.slid = state.slid;
+        step.area = state.touching * cells.area(), step.slip = state.slid, step.slides = state.slides;
         held.take(k, step);
         if (k + 1 < 4) continue;
         SCOPED_TRACE(testing::Message() << by << ", grip " << c << ", frame " << k);
@@ -132,7 +137,7 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
         EXPECT_NEAR(set.tangential_force[2 * row], step.force[1], 0.01 * P);
         EXPECT_NEAR(set.tangential_force[2 * row + 1], step.force[2], 0.01 * P);
         EXPECT_NEAR(set.slip_index[row], state.slip_index, 0.02);
-        EXPECT_NEAR(set.slid[row], held.over_limit(), 0.02 + 0.03 * held.over_limit());
+        EXPECT_NEAR(set.slip_path[row], held.slip_path(), 0.02 + 0.03 * held.slip_path());
         ++row;
       }
     }
@@ -199,7 +204,9 @@ TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
     ASSERT_GT(set.rows(), 60u * 30);
     std::size_t unsolved = 0;
     for (std::size_t row = 0; row < set.rows(); ++row) {
-      ASSERT_TRUE(std::isfinite(set.normal_force[row]) && std::isfinite(set.slid[row])) << row;
+      ASSERT_TRUE(std::isfinite(set.normal_force[row]) && std::isfinite(set.slid[row]) &&
+                  std::isfinite(set.slip_path[row]))
+          << row;
       ASSERT_GT(set.normal_force[row], 0);
       unsolved += set.status[row] == 2;
       if (set.status[row] == 2) continue;

@@ -77,11 +77,13 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
     const auto [scene, kind] = sweep.contact(k);
     const PadOutcome outcome = solve(scene, solving);
     const std::size_t pressed = pressing_targets(scene.load);
-    double slid = 0, before = 0;  // over the shear of the layer under mu times the mean pressure
+    // Over the shear of the layer under mu times the mean pressure.
+    double slid = 0, before = 0, path = 0, path_before = 0;
     const auto add_slide = [&, &scene = scene](const fem::PadStep& step) {
       const double G = scene.sensor.young / (2 * (1 + scene.sensor.poisson));
       const double limit = scene.friction * step.P / step.area / G * scene.sensor.thickness;
       slid += limit > 0 ? (step.slid - before) / limit : 0, before = step.slid;
+      path += limit > 0 ? (step.slip_path - path_before) / limit : 0, path_before = step.slip_path;
     };
     for (std::size_t step = 0; step + 1 < pressed; ++step) add_slide(outcome.solution.steps[step]);
     for (std::size_t step = pressed - 1; step < outcome.solution.steps.size(); ++step, ++row) {
@@ -99,6 +101,8 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
       EXPECT_EQ(set.force_ratio[row], f(*expected.force_ratio));
       add_slide(expected);
       EXPECT_NEAR(set.slid[row], slid, 1e-6 * slid);
+      EXPECT_NEAR(set.slip_path[row], path, 1e-6 * path);
+      EXPECT_GE(set.slip_path[row], set.slid[row]);
       EXPECT_EQ(set.stick_fraction[row], f(expected.stick_fraction));
       EXPECT_EQ(set.indentation[row], f(expected.indentation));
       EXPECT_EQ(row_of(set.tangential, row, 2), (std::vector{f(expected.x), f(expected.y)}));
@@ -289,9 +293,9 @@ TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
   std::vector<std::string> names;
   each_dataset(read, [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); });
   EXPECT_THAT(names, testing::ElementsAre("inputs", "slip_index", "normal_force", "tangential_force", "torque",
-                                          "force_ratio", "slid", "indentation", "tangential", "twist", "friction",
-                                          "stick_fraction", "contact_nodes", "outside", "contact", "step", "indenter",
-                                          "status", "residual", "poisson", "thickness", "young"));
+                                          "force_ratio", "slid", "slip_path", "indentation", "tangential", "twist",
+                                          "friction", "stick_fraction", "contact_nodes", "outside", "contact", "step",
+                                          "indenter", "status", "residual", "poisson", "thickness", "young"));
   EXPECT_EQ(read.tangential, set.tangential);
   EXPECT_EQ(read.tangential_force, set.tangential_force);
   EXPECT_EQ(read.torque, set.torque);

@@ -31,7 +31,7 @@ struct StepAnswer {
 /// leaves all contacts as they were. Not for several threads at once.
 class TACTEL_API PadStepper {
  public:
-  /// `friction` [count], or one for all.
+  /// `friction` [count], or one for all. options() then has the grid.
   PadStepper(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options = {});
   ~PadStepper();
   PadStepper(PadStepper&&) noexcept;
@@ -72,7 +72,8 @@ class TACTEL_API PadStepper {
   void reset(std::span<const std::uint8_t> mask);  ///< those where the mask [count] is not 0
   std::size_t state_size() const;                  ///< numbers of the state of a contact
   /// The state of these contacts, or of all: [contacts, state_size()]. From a state that is set, steps have the bits
-  /// that they had from where it was taken: in any stepper of this pad, cells and precision.
+  /// that they had from where it was taken: in any stepper of this rubber, cells and precision. Each begins with these:
+  /// throws InputError, and sets nothing, where they are others, or a number is not finite.
   std::vector<double> state(std::span<const std::size_t> contacts = {}) const;
   void set_state(std::span<const double> state, std::span<const std::size_t> contacts = {});
 

@@ -23,7 +23,8 @@ struct Set {
   std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty;
                                                       ///< of pads the position [rows, 2]
   std::vector<float> torque, twist, force_ratio;      ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> slid;                      ///< [rows] of pads: slide since first touch over the elastic limit
+  std::vector<float> slid;                      ///< [rows] of pads: slide as a whole since first touch over its limit
+  std::vector<float> slip_path;                 ///< [rows] of pads: the cells' rms slips, summed, over that limit
   std::vector<float> friction, stick_fraction;  ///< [rows] mu; stuck length over contact length
   std::vector<float> residual;                  ///< [rows] largest relative residual
   std::vector<std::uint64_t> contact;           ///< [rows] contact of the sweep
