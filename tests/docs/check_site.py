@@ -61,7 +61,7 @@ def check_looks(browser, site, expect):
             browser.open(page, width=390, dark=dark)
             check_phone(browser, where, expect)
             check_code(browser, where, expect)
-        browser.open(page)
+        browser.call("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
         check_code(browser, f"{page.relative_to(site)}, 1280 pixels", expect)
 
 
