@@ -19,7 +19,7 @@ WIDTH = 860  # pixels of the page
 
 # Example, load step that is shown, and what the picture leaves out of the figure. On the line tractions stay, on the pad the colour scale.
 PICTURES = {
-    "contact": ("examples/parabola.toml", 5, ".controls, .panels"),
+    "contact": ("examples/cylinder.toml", 4, ".controls, .panels"),
     "pad": ("examples/pad_twist.toml", 4, ".controls:has(input), .choice, .drawing > :last-child"),
 }
 

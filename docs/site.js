@@ -8,6 +8,14 @@ document.addEventListener("DOMContentLoaded", () => {
   });
 });
 
+// Tables that programs print keep their lines on a telephone: their letters become smaller.
+document.addEventListener("DOMContentLoaded", () => {
+  for (const code of document.querySelectorAll("pre > code")) {
+    const columns = Math.max(...code.innerText.split("\n").filter(line => /\S(  +\S+){4}/.test(line)).map(line => line.length));
+    if (columns > 0) code.style.fontSize = `min(.85em, calc((100vw - 2.2rem) / ${columns} / .61))`;
+  }
+});
+
 // The button of a block copies what a reader types: the lines after "$ ", where there are such, without it.
 document.addEventListener("click", event => {
   const button = event.target.closest("[data-clipboard-target]");

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks the documentation site in a browser, from the file that scripts/site names: the search answers, texts can be
-read, no page is wider than a telephone, copy buttons copy commands, the reference of the headers has a start page. Usage: check_site.py SITE"""
+read, no page is wider than a telephone, no code is cut, copy buttons copy commands, the reference of the headers has a start page; and
+its texts for language models: llms.txt and the pages as .md. Usage: check_site.py SITE"""
 import pathlib
+import re
 import sys
 import time
 
@@ -10,6 +12,14 @@ from browser import Browser  # noqa: E402
 
 REPOSITORY = pathlib.Path(__file__).resolve().parent.parent.parent
 OF_HEADERS = ("index", "annotated", "files", "classtactel_1_1SlipEstimator", "solve_8h", "solve_8h_source")
+
+
+CUT_CODE = """[...document.querySelectorAll('.md-content pre > code')].filter(code => code.scrollWidth > code.clientWidth).map(code => code.innerText.slice(0, 40))"""
+
+
+def check_code(browser, where, expect):
+    cut = browser.run(CUT_CODE)
+    expect(not cut, f"{where}: code is cut at the right: {cut}")
 
 
 def check_phone(browser, where, expect):
@@ -50,6 +60,37 @@ def check_looks(browser, site, expect):
             browser.run("localStorage.clear()")  # else the site keeps the first scheme
             browser.open(page, width=390, dark=dark)
             check_phone(browser, where, expect)
+            check_code(browser, where, expect)
+        browser.call("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
+        check_code(browser, f"{page.relative_to(site)}, 1280 pixels", expect)
+
+
+def check_front(browser, site, expect):
+    """The front page is README.md, with its pictures, in the scheme of the page; the gallery's can be read on a desk."""
+    headings = re.findall(r"^## (.*)$", (REPOSITORY / "README.md").read_text(), re.M)
+    for dark in (False, True):
+        browser.run("localStorage.clear()")
+        browser.open(site / "index.html", dark=dark)
+        shown = browser.run("[...document.querySelectorAll('h2')].map(h => h.firstChild.data)")
+        expect(shown == headings, f"index.html has {shown}, README.md {headings}")
+        pictures = browser.run("[...document.querySelectorAll('.md-content img')].map(i => [getComputedStyle(i).content, i.naturalWidth])")
+        expect(len(pictures) == 2 and all(width > 500 and ("-dark" in content) == dark for content, width in pictures), f"pictures of index.html: {pictures}")
+    browser.open(site / "gallery.html")
+    widths = browser.run("[...document.querySelectorAll('.gallery img')].map(i => i.clientWidth)")
+    expect(len(widths) == 8 and min(widths) >= 0.6 * 820, f"pictures of 820 pixels in the gallery are {widths} wide")  # 12 pixels of text are 7
+
+
+def check_texts(site, expect):
+    """Each page is beside itself as .md; llms.txt leads to those of the menu, and each of its links somewhere."""
+    pages = [path for folder in (".", "tutorials", "notebook") for path in site.glob(f"{folder}/*.html") if path.name != "404.html"]
+    for page in pages:
+        text = page.with_suffix(".md").read_text() if page.with_suffix(".md").exists() else ""
+        expect(text.startswith("# ") and "<!-- test" not in text, f"{page.relative_to(site)} has no .md beside it, or one with comments of tests")
+    text = (site / "llms.txt").read_text()
+    linked = re.findall(r"^- \[.+\]\((.+\.md)\): \S.*$", text, re.M)
+    expect(text.startswith("# tactel\n\n> ") and text.count("\n- ") == len(linked), f"llms.txt: {text[:200]!r}")
+    expect(set(linked) == {str(page.relative_to(site).with_suffix(".md")) for page in pages if page.parent.name != "notebook"} | {"notebook/index.md"},
+           f"llms.txt leads to {linked}")
 
 
 def check_copy(browser, site, expect):
@@ -77,6 +118,8 @@ def main(site):
     with Browser() as browser:
         check_search(browser, site, expect)
         check_looks(browser, site, expect)
+        check_front(browser, site, expect)
+        check_texts(site, expect)
         check_copy(browser, site, expect)
         browser.open(site / "reference.html")
         expect(browser.run("document.querySelector('a[href=\"#slipestimator\"]') && document.querySelector('#slipestimator ~ ul').innerText.includes('Returns the upper bound of S')"),

@@ -197,7 +197,7 @@ std::optional<float> alarm_of(const MonitorRequest& request, std::span<const nn:
 AlarmSignal signal_of(const MonitorRequest& request, std::span<const nn::Model> networks) {
   if (request.signal == "left") return AlarmSignal::left;
   if (request.signal == "moved") return AlarmSignal::moved;
-  const bool of_slip = !networks.empty() && networks.front().target != nn::Target::slid;
+  const bool of_slip = !networks.empty() && !nn::is_slide(networks.front().target);
   return request.signal.empty() && request.options.rest && !of_slip ? AlarmSignal::left : AlarmSignal::slip;
 }
 
