@@ -82,6 +82,7 @@ struct LiveServer::State {
   ~State() {
     {
       const std::lock_guard lock(mutex);
+      hand_over();
       ended = true;
     }
     ring();
@@ -90,21 +91,43 @@ struct LiveServer::State {
     ::close(at.socket), ::close(wake);
   }
 
+  /// Of the thread that sends, which holds the mutex.
+  void hand_over() {
+    for (std::string& message : waiting) arrived.push_back(std::move(message));
+    waiting.clear();
+    while (arrived.size() > kept_lines) arrived.pop_front();
+  }
+
+  /// Takes what was handed over.
+  void collect() {
+    std::deque<std::string> fresh;
+    {
+      const std::lock_guard lock(mutex);
+      fresh.swap(arrived);
+      over = ended;
+    }
+    for (std::string& message : fresh) messages.push_back(std::move(message)), ++sent;
+    while (messages.size() > kept_lines) messages.pop_front();
+  }
+
   void ring() const {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake, &one, sizeof one);
   }
 
   void serve() {
-    // Frames come first, and are not of this thread's class where chrt gave them one.
+    // Frames come first where chrt gave them a class of their own.
     const sched_param none{};
     ::sched_setscheduler(0, SCHED_OTHER, &none);
-    ::setpriority(PRIO_PROCESS, 0, 10);
-    while (!turn_of(look_around)) {
-    }
+    while (!over) try_turn(look_around);
     const auto until = Clock::now() + farewell;
-    do turn_of(10ms);
+    do try_turn(10ms);
     while (Clock::now() < until && streams_wait());
+  }
+
+  void try_turn(std::chrono::milliseconds longest) try {
+    turn_of(longest);
+  } catch (const std::exception&) {  // no memory: later
   }
 
   bool streams_wait() const {
@@ -112,8 +135,8 @@ struct LiveServer::State {
         clients, [](const Client& client) { return client.stage == Client::Stage::stream && !client.out.empty(); });
   }
 
-  /// Waits for something to do and does it. Returns whether the lines have ended.
-  bool turn_of(std::chrono::milliseconds longest) {
+  /// Waits for something to do and does it.
+  void turn_of(std::chrono::milliseconds longest) {
     std::array<pollfd, most_clients + most_refused + 2> wanted;
     const std::size_t count = clients.size();
     wanted[0] = {wake, POLLIN, 0};
@@ -122,6 +145,7 @@ struct LiveServer::State {
     ::poll(wanted.data(), count + 2, static_cast<int>(longest.count()));
     std::uint64_t rung = 0;
     [[maybe_unused]] const auto taken = ::read(wake, &rung, sizeof rung);
+    collect();
     for (std::size_t i = 0; i < count; ++i) {
       try {
         attend(clients[i], wanted[i + 2].revents);
@@ -131,8 +155,6 @@ struct LiveServer::State {
     }
     std::erase_if(clients, [](const Client& client) { return client.stage == Client::Stage::gone; });
     if (wanted[1].revents != 0) accept_some();
-    const std::lock_guard lock(mutex);
-    return ended;
   }
 
   static short wishes(const Client& client) {
@@ -189,22 +211,18 @@ struct LiveServer::State {
     client.stage = Client::Stage::stream;
     client.out = response_head(200, "text/event-stream", -1);
     client.deadline = Clock::now() + without_progress;
-    const std::lock_guard lock(mutex);
     client.next = messages.empty() ? sent : sent - 1;
   }
 
   /// Takes what a stream has not sent yet, in pieces.
   void fill(Client& client) {
     const auto now = Clock::now();
-    {
-      const std::lock_guard lock(mutex);
-      client.next = std::max(client.next, sent - messages.size());
-      for (; client.next < sent && client.out.size() < longest_piece; ++client.next)
-        client.out += messages[client.next + messages.size() - sent];
-      if (ended && client.next == sent) {
-        client.out += "event: end\ndata: the source has ended\n\n";
-        client.next = sent + 1;
-      }
+    client.next = std::max(client.next, sent - messages.size());
+    for (; client.next < sent && client.out.size() < longest_piece; ++client.next)
+      client.out += messages[client.next + messages.size() - sent];
+    if (over && client.next == sent) {
+      client.out += "event: end\ndata: the source has ended\n\n";
+      client.next = sent + 1;
     }
     if (client.out.empty() && now - client.said >= quiet_stream) client.out = ": nothing new\n\n";
     if (!client.out.empty()) client.said = now;
@@ -262,12 +280,15 @@ struct LiveServer::State {
   const std::vector<std::string> hosts;
   const std::size_t allowed = clients_allowed();
   const std::string crowded = refusal(503, fmt::format("{} browsers are here already", allowed));
-  std::mutex mutex;                  ///< of the next three
-  std::deque<std::string> messages;  ///< the newest, as they are sent
-  std::size_t sent = 0;              ///< messages so far
+  std::deque<std::string> waiting;  ///< of the thread that sends: what the next message takes along
+  std::mutex mutex;                 ///< of the next two, held for a swap
+  std::deque<std::string> arrived;
   bool ended = false;
-  int wake;                     ///< an eventfd: there is something new
-  std::vector<Client> clients;  ///< of the thread, and the next; by age
+  std::deque<std::string> messages;  ///< of the server's thread, and all below: the newest, as they are sent
+  std::size_t sent = 0;              ///< messages so far
+  bool over = false;                 ///< there will be no more
+  int wake;                          ///< an eventfd: there is something new
+  std::vector<Client> clients;       ///< by age
   Clock::time_point next_accept{};
   std::thread listening;
 };
@@ -281,12 +302,10 @@ const std::vector<std::string>& LiveServer::others() const { return state_->at.o
 
 void LiveServer::send(const std::string& line, const char* event) {
   std::string message = event ? fmt::format("event: {}\ndata: {}\n\n", event, line) : fmt::format("data: {}\n\n", line);
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->messages.push_back(std::move(message));
-    ++state_->sent;
-    if (state_->messages.size() > kept_lines) state_->messages.pop_front();
-  }
+  state_->waiting.push_back(std::move(message));
+  if (state_->waiting.size() > kept_lines) state_->waiting.pop_front();
+  // Nobody waits for the server's thread, which may have been put off while it held the lock.
+  if (const std::unique_lock lock(state_->mutex, std::try_to_lock); lock) state_->hand_over();
   state_->ring();
 }
 

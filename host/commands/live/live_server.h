@@ -23,8 +23,8 @@ class LiveServer {
 
   const std::string& address() const;              ///< as of Listening
   const std::vector<std::string>& others() const;  ///< the same
-  /// Sends a line to every browser; event: its name, none for a frame's. Waits for none: one that lags by kept_lines
-  /// misses the oldest.
+  /// Sends a line to every browser; event: its name, none for a frame's. Waits for nothing: where the server is busy
+  /// the next one takes it along, and a browser that lags by kept_lines misses the oldest.
   void send(const std::string& line, const char* event = nullptr);
 
   static constexpr std::size_t kept_lines = 64;

@@ -119,7 +119,7 @@ function drawState() {
 
 function drawWords() {
   const read = [[word, fixed(numberOf(line), 3)], ...(judged ? [["alarm from", fixed(setup.alarm, 3)]] : []),
-    ...(line.true_slip_index === undefined ? [] : [["true S", fixed(line.true_slip_index, 3)]]), ["frame", String(line.frame)], ["largest in 10 s", `${number(Math.max(...history.map(h => h.most)), 3)} MPa`], ["answered in", line.latency_us === null ? "–" : `${number(line.latency_us, 2)} µs`]];
+    ...(line.true_slip_index === undefined ? [] : [["true S", fixed(line.true_slip_index, 3)]]), ["frame", String(line.frame)], ["largest in 10 s", `${number(Math.max(...history.map(h => h.most)), 2)} MPa`], ["answered in", line.latency_us === null ? "–" : `${number(line.latency_us, 2)} µs`]];
   byId("readout").replaceChildren(...read.map(([name, value]) => html("div", {}, name, html("b", {}, value))));
   setup.pads.forEach((pad, k) => {
     const of = padOf(line, k), said = of.contact === false ? "no contact" : `${word} ${fixed(numberOf(of), 3)}`;
