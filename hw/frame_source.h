@@ -43,6 +43,8 @@ class FrameSource {
   /// Returns the next packet. Returns none where no packet arrives within `timeout` seconds, or at the end.
   /// Throws SourceError.
   virtual std::optional<Packet> wait(double timeout) = 0;
+  /// Tells the source that frames were found in its last packet.
+  virtual void answered() {}
   /// Returns true at the end of the source.
   virtual bool finished() const = 0;
   /// Returns true where the source runs by the clock. A live source loses what is not read; the others wait.

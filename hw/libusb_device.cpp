@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "hw/ftdi.h"
@@ -235,7 +237,9 @@ void LibusbDevice::prepare() {
   claim();
   if (wanted_.transport == Transport::cdc_acm && route_.control_interface >= 0) prepare_cdc();
   if (wanted_.transport == Transport::ftdi) prepare_ftdi();
-  if (!wanted_.start.empty()) send_start();
+  if (wanted_.start.empty()) return;
+  std::this_thread::sleep_for(std::chrono::duration<double>(wanted_.wait));
+  send_start();
 }
 
 void LibusbDevice::claim() {

@@ -29,6 +29,7 @@ struct UsbDevice {
   int endpoint = -1;                  ///< address; -1: the first IN endpoint of that interface, by descriptor
   int baud = 115200;                  ///< of a serial port behind the bridge
   std::vector<std::uint8_t> start{};  ///< bytes sent after opening
+  double wait = 0;                    ///< s between the two
   std::string port{}, serial{};       ///< as UsbPlace: one of several devices; empty: the first free one
 };
 

@@ -24,7 +24,7 @@ set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHi
 set(unit_training AlarmCounting BoundReport TrainingSources)
 set(unit_api CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
 set(unit_studies HandPress InverseReport LoopDrift RealSensorPlan SceneMix TradeoffReport)
-set(unit_commands BadSceneTest CommandLine Completion DevicesCommandDeathTest GenerateOutputs Help HostileFiles Keys Memory MonitorOptions
+set(unit_commands BadSceneTest CommandLine Completion DevicesCommandDeathTest GenerateOutputs Help HostileFiles Keys LiveServer Memory MonitorOptions
     Numbers ProfileFile ReadmeFiles SolveOnHost StandardError UnreadableScene Words WrongCallTest)
 
 # Suites that run the program; in commands, those that do not.
@@ -32,7 +32,7 @@ set(program_networks OnnxRuntime)
 set(program_sets CheckSet ContactSetInH5py)
 set(program_training FrameFloor RankTraining Stream StreamTraining TrainResume)
 set(program_studies InverseCommand)
-set(no_program DevicesCommand DevicesCommandDeathTest)
+set(no_program DevicesCommand DevicesCommandDeathTest LiveServer)
 
 # Suites that are slow as a whole.
 set(slow ClosedForms DirectProblem EveryShape EveryShapeOnMeshA Extremes GapReferenceRandom IndependentContact InverseCommand InverseProblem

@@ -172,6 +172,7 @@ struct FrameSource::State {
         if (packet->after_gap) decoder.interrupt();
         arrival = packet->arrival;
         decoder.feed(packet->bytes, sink);
+        if (waiting.size() > 0) source->answered();
       } else if (!(seconds > 0) || left <= 0) {
         break;
       }

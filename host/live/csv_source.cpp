@@ -12,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "host/support/errors.h"
 #include "hw/csv_format.h"
@@ -23,12 +24,13 @@ constexpr std::size_t bytes_of_file = 1 << 16;
 constexpr std::size_t bytes_of_pipe = 1 << 12;    // few: what waits in the pipe has not arrived yet, and is not late
 constexpr double latest_arrival = 1e9;            // s, as of recordings
 constexpr std::uint64_t most_bad_at_first = 100;  // lines: what a board prints when it starts is less
+constexpr const char* meaning = "one for each of the profile's channels";
 
 }  // namespace
 
 CsvSource::CsvSource(const std::string& path, std::size_t channels, bool paced, std::optional<int> sensor)
     : name_("csv:" + path),
-      lines_(name_, {.count = channels, .meaning = "one for each of the profile's channels", .may_have_time = true}),
+      lines_(name_, {.count = channels, .meaning = meaning, .may_have_time = true}),
       sensor_(sensor),
       paced_(paced),
       chosen_(sensor.has_value()),
@@ -43,12 +45,36 @@ CsvSource::CsvSource(const std::string& path, std::size_t channels, bool paced, 
   if (live_ && paced) throw hw::RecordingError(name_ + ": has a pace of its own; leave paced=1 out");
 }
 
+CsvSource::CsvSource(std::unique_ptr<hw::SerialPort> port, const std::string& path, std::size_t channels)
+    : name_("serial:" + path),
+      lines_(name_, {.count = channels, .meaning = meaning, .may_have_time = true}),
+      port_(std::move(port)),
+      live_(true),
+      pace_(false) {}
+
 CsvSource::~CsvSource() {
   if (file_ > STDIN_FILENO) ::close(file_);
 }
 
+hw::TransportCounts CsvSource::counts() const {
+  hw::TransportCounts counts = counts_;
+  if (port_) counts.reconnects = port_->reconnects();
+  return counts;
+}
+
+/// A line that was cut by a gap is none.
+void CsvSource::fill_from_port(double timeout) {
+  const hw::Bytes bytes = port_->read(timeout);
+  if (port_->take_gap()) gap_ = true, dropping_ = false, text_.clear();
+  if (!bytes.empty()) arrival_ = now();
+  counts_.bytes += bytes.size();
+  text_.append(bytes.begin(), bytes.end());
+  line_end_ = text_.find('\n');
+}
+
 /// Reads more text, of a pipe once and within `timeout` s.
 void CsvSource::fill(double timeout) {
+  if (port_) return fill_from_port(timeout);
   if (live_) {
     pollfd wanted{file_, POLLIN, 0};
     if (::poll(&wanted, 1, static_cast<int>(std::clamp(timeout, 0.0, 3600.0) * 1e3)) <= 0) return;
@@ -118,6 +144,7 @@ void CsvSource::take_line() {
     if (!dropping_ && lines_.read(std::string_view(text_).substr(0, line_end_), line_) && is_of_sensor()) {
       set_arrival();
       hw::append_csv_frame(frames_++, time(), lines_.numbers().subspan(lines_.has_time()), packet_);
+      if (port_) port_->answered();
     }
   } catch (const ConfigError& error) {
     if (!live_) throw hw::RecordingError(error.what());
@@ -142,7 +169,7 @@ std::optional<hw::Packet> CsvSource::wait(double timeout) {
   if (held_) return std::nullopt;
   ++counts_.packets;
   pace_.hand_out(arrival_);
-  return hw::Packet{packet_, arrival_};
+  return hw::Packet{packet_, arrival_, std::exchange(gap_, false)};
 }
 
 }  // namespace tactel::host

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "host/support/seconds.h"
 #include "hw/frame_source.h"
 #include "hw/pace.h"
+#include "hw/serial_port.h"
 
 namespace tactel::host {
 
@@ -24,6 +26,8 @@ namespace tactel::host {
 /// A log may hold the lines of several sensors, told apart by a column "sensor_id": `sensor` chooses those of one.
 class CsvSource final : public hw::FrameSource {
  public:
+  /// The lines of a serial port; path: of errors.
+  CsvSource(std::unique_ptr<hw::SerialPort> port, const std::string& path, std::size_t channels);
   /// `path`: "-" is standard input. `paced`: a file with times, at its pace. Throws hw::RecordingError.
   CsvSource(const std::string& path, std::size_t channels, bool paced, std::optional<int> sensor = std::nullopt);
   ~CsvSource() override;
@@ -36,10 +40,10 @@ class CsvSource final : public hw::FrameSource {
   bool finished() const override { return ended_ && !held_ && !has_line(); }
   bool live() const override { return live_; }
   double now() const override { return live_ ? seconds_since(opened_) : pace_.now(); }
-  hw::TransportCounts counts() const override { return counts_; }
+  hw::TransportCounts counts() const override;
   bool cut_short() const override { return cut_short_; }
   std::string first_bad() const override { return first_bad_; }
-  int fd() const override { return live_ ? file_ : -1; }
+  int fd() const override { return port_ ? port_->fd() : live_ ? file_ : -1; }
 
  private:
   bool has_line() const { return line_end_ != std::string::npos || text_.size() > lines_.longest(); }
@@ -47,6 +51,7 @@ class CsvSource final : public hw::FrameSource {
     return lines_.has_time() ? std::optional(lines_.numbers().front()) : std::nullopt;
   }
   void fill(double timeout);
+  void fill_from_port(double timeout);
   void take_line();
   bool is_of_sensor();
   void set_arrival();
@@ -54,10 +59,12 @@ class CsvSource final : public hw::FrameSource {
 
   std::string name_;
   NumberLines lines_;
-  std::optional<double> sensor_;  ///< whose lines are taken; without a choice that of the first
+  std::optional<double> sensor_;          ///< whose lines are taken; without a choice that of the first
+  std::unique_ptr<hw::SerialPort> port_;  ///< none: file_ is read
   int file_ = -1;
   bool live_ = false, paced_ = false, ended_ = false, cut_short_ = false, chosen_ = false;
   bool device_ = false;                       ///< a terminal that nobody types at
+  bool gap_ = false;                          ///< a device was away before the next packet
   bool dropping_ = false;                     ///< text_ goes on with the rest of a line that was too long
   std::string text_;                          ///< what was read and is not yet taken
   std::size_t line_end_ = std::string::npos;  ///< in text_, of its first line; npos: that is not whole

@@ -13,7 +13,9 @@ void read_frames(hw::FrameSource& source, hw::Decoder& decoder, const ReadingEve
       if (events.packet) events.packet(*packet);
       if (packet->after_gap) decoder.interrupt();
       arrival = packet->arrival;
+      const std::uint64_t before = decoder.counts().frames;
       decoder.feed(packet->bytes, sink);
+      if (decoder.counts().frames > before) source.answered();
     }
     if (events.turn) events.turn();
   }

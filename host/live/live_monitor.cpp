@@ -274,12 +274,11 @@ void LiveMonitor::watch(const MonitorEvents& events) {
 
 void LiveMonitor::listen(double now, const MonitorEvents& events) {
   quiet_ += std::min(now - last_turn_, longest_turn);
-  if (decoder_.counts().frames != frames_before_) quiet_ = 0, silent_ = false;
+  if (decoder_.counts().frames != frames_before_) quiet_ = 0, told_ = 0;
   frames_before_ = decoder_.counts().frames;
-  if (silent_ || quiet_ < options_.silence) return;
-  silent_ = true;
-  ++summary_.silences;
-  if (events.silence) events.silence(quiet_);
+  if (quiet_ < (told_ + 1) * options_.silence) return;
+  if (++told_ == 1) ++summary_.silences;
+  if (events.silence) events.silence(quiet_, now);
 }
 
 }  // namespace tactel::host

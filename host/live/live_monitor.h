@@ -32,7 +32,7 @@ struct MonitorOptions {
   /// time.
   double friction_drift = 0.1;
   std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S or slid
-  double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
+  double silence = 1.0;  ///< s of listening to a live source without a frame until it is told, and told again
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
 };
 
@@ -79,8 +79,9 @@ struct MonitorCalls {
 /// Callbacks of LiveMonitor. Empty functions are allowed.
 struct MonitorEvents {
   std::function<void(const MonitorLine&)> line{};
-  std::function<void(const MonitorSummary&)> second{};     ///< about once a second
-  std::function<void(double seconds)> silence{};           ///< time without a frame
+  std::function<void(const MonitorSummary&)> second{};  ///< about once a second
+  /// Seconds without a frame, and the time of the source's clock; each MonitorOptions::silence again.
+  std::function<void(double seconds, double now)> silence{};
   std::function<bool()> stop{};                            ///< true ends it
   std::function<MonitorCalls()> calls{};                   ///< asked between packets
   std::function<void(std::span<const float>)> friction{};  ///< mu of each pad after `slides`; NaN: none was read
@@ -148,7 +149,7 @@ class LiveMonitor {
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
   std::uint64_t frames_before_ = 0;                     ///< decoded until the last turn
-  bool silent_ = false;
+  int told_ = 0;                                        ///< how often the silence was told
   MonitorSummary summary_;
 };
 

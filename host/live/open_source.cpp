@@ -107,17 +107,20 @@ OpenSource open_csv(const std::string& text, Files profiles, Files calibrations)
 /// Lines of numbers, or the bytes of another format.
 OpenSource open_serial(const std::string& text, Files profiles, Files calibrations) {
   SourceOptions options(text);
-  int baud = 115200;
-  options.read("baud", baud);
+  std::optional<int> baud;
+  if (int given = 0; options.read("baud", given)) baud = given;
   options.finish();
   if (profiles.empty())
     throw ConfigError("command line", "--profile", "(missing)", "given with serial:, a profile of the device's bytes");
   const std::string& path = options.path();
-  if (SensorProfile profile = read_profile(profiles[0]); profiles.size() == 1 && profile.kind != "csv")
-    return {std::make_unique<hw::SerialSource>(path, baud, profile.usb.start), std::move(profile)};
+  SensorProfile first = read_profile(profiles[0]);
+  const hw::SerialSettings settings{baud.value_or(first.usb.baud), first.usb.start, first.usb.wait};
+  if (profiles.size() == 1 && first.kind != "csv")
+    return {std::make_unique<hw::SerialSource>(path, settings), std::move(first)};
   SensorProfile joined = read_profiles(profiles, calibrations);
-  const hw::SerialPort port(path, baud);  // its settings stay, as the source has it open, too
-  return {std::make_unique<CsvSource>(path, joined.format()->channels(), false), std::move(joined)};
+  return {
+      std::make_unique<CsvSource>(std::make_unique<hw::SerialPort>(path, settings), path, joined.format()->channels()),
+      std::move(joined)};
 }
 
 OpenSource open(const std::string& kind, const std::string& rest, Files profiles, Files calibrations) {

@@ -48,6 +48,9 @@ void read_device(const TomlFile& file, SensorProfile& profile) {
   in.read("baud", profile.usb.baud, "a whole number of bit/s above 0");
   if (profile.usb.baud <= 0) in.refuse("baud", "a whole number of bit/s above 0");
   profile.usb.start = read_bytes(in, "start");
+  in.read("wait", profile.usb.wait, "s from opening until start is sent, 0 to 60");
+  if (!(profile.usb.wait >= 0 && profile.usb.wait <= 60))
+    in.refuse("wait", "s from opening until start is sent, 0 to 60");
   in.finish();
 }
 

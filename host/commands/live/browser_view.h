@@ -21,6 +21,8 @@ class BrowserView {
     last_ = now;
     server_->send(text());
   }
+  /// Tells pages that nothing has come for so many seconds.
+  void tell_silence(double seconds);
 
  private:
   static constexpr const char* default_place = "8080";

@@ -2,24 +2,30 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "host/commands/live/serve_place.h"
 
 namespace tactel::host {
 
-/// Serves a page and, at "/events", lines of JSON as server-sent events (HTML, 9.2), by threads of its own. On this
-/// machine's own address it answers to that name alone, so that no page of another site reads it.
+/// Serves a page and, at "/events", lines of JSON as server-sent events (HTML, 9.2), by one thread of its own, whose
+/// work, memory and descriptors are bounded whatever comes: a GET of these two, a head of 8 kB in 5 s, 64 browsers and
+/// no more than a fourth of the descriptors that this process may have. Who holds a place without a request gives it
+/// up to the next; 503 goes to those beyond. It answers to this machine's names and addresses alone (answers_to).
 class LiveServer {
  public:
-  /// place: "PORT", of 127.0.0.1, or "ADDRESS:PORT"; port 0: one that is free. Throws ConfigError where it is neither,
-  /// or cannot be listened at.
-  LiveServer(const std::string& place, std::string page);
-  /// Tells every browser that there is no more.
+  /// place: as of listen_at, whose errors it throws. hosts: further names that it answers to.
+  LiveServer(const std::string& place, std::string page, std::vector<std::string> hosts = {});
+  /// Tells every browser that there is no more. Takes 0.3 s at most.
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
 
-  std::string address() const;  ///< "http://127.0.0.1:8080/"
-  /// Sends a line to every browser. Waits for none: one that lags by kept_lines misses the oldest.
-  void send(std::string line);
+  const std::string& address() const;              ///< as of Listening
+  const std::vector<std::string>& others() const;  ///< the same
+  /// Sends a line to every browser; event: its name, none for a frame's. Waits for nothing: where the server is busy
+  /// the next one takes it along, and a browser that lags by kept_lines misses the oldest.
+  void send(const std::string& line, const char* event = nullptr);
 
   static constexpr std::size_t kept_lines = 64;
 

@@ -81,10 +81,11 @@ class Doubts {
 MonitorEvents make_events(const MonitorRequest& request, const char* target, std::size_t tactels, LiveView& view,
                           BrowserView& browser, Output& output, const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
-  events.line = [&, target, tactels, on = false, cannot_tell = false,
+  const auto on = std::make_shared<std::optional<bool>>();  // the alarm; none before the first frame
+  events.line = [&, target, tactels, on, cannot_tell = false,
                  doubts = Doubts(request)](const MonitorLine& line) mutable {
-    const bool turned = line.alarm != on || (request.widest && line.cannot_tell != cannot_tell);
-    on = line.alarm, cannot_tell = line.cannot_tell;
+    const bool turned = line.alarm != on->value_or(false) || (request.widest && line.cannot_tell != cannot_tell);
+    *on = line.alarm, cannot_tell = line.cannot_tell;
     std::vector<std::string> warnings = doubts.next(line);
     for (const Drift& drift : line.drift) warnings.push_back(drift.text);
     for (const std::string& warning : warnings) {
@@ -107,8 +108,11 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
       say(summary_text(summary, false));
     }
   };
-  events.silence = [&](double seconds) {
-    if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
+  events.silence = [&, on](double seconds, double now) {
+    if (!request.quiet && seconds < 2 * request.options.silence)
+      print_warning(fmt::format("no frame for {:.1f} s", seconds));
+    if (request.alarm && *on && !request.view) output.put(silence_text(seconds, now, **on) + "\n");
+    browser.tell_silence(seconds);
   };
   events.stop = [&] { return output.failed() || until(); };
   if (request.options.rest || request.takes_friction)
@@ -183,6 +187,7 @@ int run_monitor(MonitorRequest request) {
   request.takes_friction =
       std::ranges::any_of(networks, [](const nn::Model& network) { return network.history.friction; });
   check_request(request, networks);
+  for (const std::string& name : request.serve_hosts) check_serve_host(name);
   const nn::Target target = networks.empty() ? nn::Target::slip_index : networks.front().target;
   std::optional<Device> device;
   std::unique_ptr<LiveEstimator> compiled;  // before the source is opened, whose frames do not wait

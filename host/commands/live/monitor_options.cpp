@@ -40,14 +40,22 @@ void add_monitor_options(CLI::App& command, MonitorRequest& request) {
       "--view", request.view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction; of "
       "pads a tile a tactel, shaded by pressure, with an arrow of shear");
+  CLI::Option* serve =
+      command
+          .add_option(
+              "--serve", request.serve,
+              "a page for browsers beside the lines: pads or the line, what the alarm judges over ten seconds, and "
+              "the truth of a simulation; PORT of this machine alone, or ADDRESS:PORT, 0.0.0.0:8080 for a telephone "
+              "beside the gripper; port 0: any (default: 8080)")
+          ->type_name("PLACE")
+          ->expected(0, 1);
   command
-      .add_option(
-          "--serve", request.serve,
-          "a page for browsers beside the lines: pads or the line, what the alarm judges over ten seconds, and "
-          "the truth of a simulation; PORT of this machine alone, or ADDRESS:PORT, 0.0.0.0:8080 for a telephone "
-          "beside the gripper; port 0: any (default: 8080)")
-      ->type_name("PLACE")
-      ->expected(0, 1);
+      .add_option("--serve-host", request.serve_hosts,
+                  "a name of this machine by which browsers may ask for the page, beside localhost and addresses; "
+                  "repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->needs(serve);
   command.add_flag("--stresses", request.stresses, "add \"stresses\" to each line: all tactels, axis by axis, MPa");
   CLI::Option* alarm =
       command

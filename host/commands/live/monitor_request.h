@@ -21,6 +21,7 @@ struct MonitorRequest : SensorRequest {
   MonitorOptions options;
   bool view = false, stresses = false, takes_friction = false;  ///< takes_friction: of a network
   std::vector<std::string> serve{};                             ///< of --serve: none, or a place, or ""
+  std::vector<std::string> serve_hosts{};
 };
 void add_monitor_options(CLI::App& command, MonitorRequest& request);
 

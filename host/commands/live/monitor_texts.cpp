@@ -69,6 +69,12 @@ std::string line_text(const MonitorRequest& request, const MonitorLine& line, co
                      further_text(request, line, target), tactels > 0 ? stresses_text(line, tactels) : "", latency);
 }
 
+std::string silence_text(double seconds, double arrival, bool alarm) {
+  return fmt::format(
+      "{{\"arrival\": {}, \"silence\": {:.1f}, \"alarm\": {}, \"cannot_tell\": true, \"why\": \"silent\"}}",
+      json_number(arrival), seconds, alarm);
+}
+
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
   const hw::DecoderCounts& d = all.decoder;
   return fmt::format(

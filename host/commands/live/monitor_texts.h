@@ -13,6 +13,8 @@ namespace tactel::host {
 /// Returns the line of a frame as JSON. target: key of the network's answer; null without a network. tactels: of all
 /// pads, where the line has their stresses; 0: it has none.
 std::string line_text(const MonitorRequest& request, const MonitorLine& line, const char* target, std::size_t tactels);
+/// Returns the line of a second without a frame: nobody can tell, and the alarm is as it was. arrival: s, of now.
+std::string silence_text(double seconds, double arrival, bool alarm);
 /// Returns the summary as JSON.
 std::string summary_text(const MonitorSummary& all, bool cut_short);
 /// Returns the ranges that a network learnt, as far as its file knows them; empty where it knows none.

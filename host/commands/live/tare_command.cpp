@@ -20,24 +20,30 @@ namespace tactel::host {
 namespace {
 
 constexpr std::size_t fewest_frames = 8;  // fewer cannot tell rest from motion
+constexpr double patience = 10;           // s, for the first frame: some boards take seconds to boot
 
 struct TareRequest : SensorRequest {
   std::string output, hold, network;
   bool force = false;
 };
 
-/// Readings of --seconds by their arrival: of a recording those of the time when it was made.
+/// Readings of --seconds from the first frame on, by their arrival: of a recording those of the time when it was made.
 hw::Tare read_rest(const TareRequest& request, hw::FrameSource& source, hw::Decoder& decoder, const Until& until) {
   hw::Tare tare(decoder.format().channels());
   std::optional<double> first;
   bool enough = false;
   read_frames(source, decoder,
-              {.packet =
-                   [&](const hw::Packet& packet) {
-                     if (!first) first = packet.arrival;
-                     enough = packet.arrival - *first >= request.seconds;
+              {.frame =
+                   [&](const hw::DecodedFrame& frame, double arrival) {
+                     if (!first) first = arrival;
+                     enough = arrival - *first >= request.seconds;
+                     tare.add(frame.values);
                    },
-               .frame = [&](const hw::DecodedFrame& frame, double) { tare.add(frame.values); },
+               .turn =
+                   [&] {
+                     if (source.live())
+                       enough |= source.now() - first.value_or(0) >= (first ? request.seconds : patience);
+                   },
                .stop = [&] { return enough || until(); }});
   return tare;
 }
@@ -120,7 +126,7 @@ int run_tare(const TareRequest& request) {
   const std::vector<nn::Model> networks = networks_of(request);
   OpenSource opened = open_for(request);
   hw::Decoder decoder(opened.profile.format());
-  const Until until(opened.source->live() ? request.seconds : 0);  // a recording's time is that of its packets
+  const Until until(0);
   const hw::Tare tare = [&] {
     const StageLine stage("listening to the sensor at rest", request.quiet);
     return read_rest(request, *opened.source, decoder, until);
@@ -134,7 +140,7 @@ int run_tare(const TareRequest& request) {
     throw hw::SourceError(
         fmt::format("{} frames arrived within {} s, fewer than {}; switch the sensor on, or listen longer "
                     "(--seconds)",
-                    tare.frames(), request.seconds, fewest_frames));
+                    tare.frames(), tare.frames() > 0 ? request.seconds : patience, fewest_frames));
   if (const std::string moved = motion(tare, opened.profile.map); !moved.empty() && !request.force) {
     say("error: the sensor was not at rest: " + moved + "; " + request.output +
         " was not written; --force writes the mean nevertheless");

@@ -110,6 +110,29 @@ ChildResult in_shell(const std::string& arguments) {
   return run_child({"/bin/sh", "-c", std::string(TACTEL_PROGRAM) + " " + arguments});
 }
 
+// Each second without a frame has a line of its own where an alarm was asked for: it is as it was, and nobody can tell.
+TEST_F(Monitor, ASilentSensorCannotTell) {
+  const std::string profile = folder_.write("p.toml",
+                                            "[format]\nkind = \"csv\"\nchannels = 2\n[channels]\nnormal = [0, 1]\n"
+                                            "[calibration]\ngain = 1\noffset = 0\nnoise = 0.001\n");
+  const auto monitor = [&](const std::string& more) {
+    return lines_of(run_child({"/bin/sh", "-c",
+                               "(echo 1,1; sleep 2.4; echo 1,1) | " + std::string(TACTEL_PROGRAM) +
+                                   " monitor --source csv:- --quiet --rest --profile " + profile + more})
+                        .out);
+  };
+  const auto lines = monitor(" --alarm 0.1");
+  ASSERT_EQ(lines.size(), 4u);
+  for (const std::size_t k : {1u, 2u}) {
+    EXPECT_FALSE(lines[k].contains("frame"));
+    EXPECT_EQ(lines[k]["alarm"], false);
+    EXPECT_EQ(lines[k]["cannot_tell"], true);
+    EXPECT_EQ(lines[k]["why"], "silent");
+    EXPECT_NEAR(lines[k]["silence"].get<double>(), static_cast<double>(k), 0.3);  // a busy machine
+  }
+  EXPECT_EQ(monitor("").size(), 2u);
+}
+
 TEST_F(Monitor, LinesThatCannotBeWrittenAreAnError) {
   const std::string arguments = "monitor --source '" + simulation + "' --network " + network_;
   for (const char* view : {"", " --view"}) {

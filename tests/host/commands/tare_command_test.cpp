@@ -45,6 +45,18 @@ TEST_F(TareCommand, TooFewFramesTellNothing) {
   EXPECT_THAT(few.err, HasSubstr("7 frames arrived"));
 }
 
+// A board may boot for longer than the sensor is listened to.
+TEST_F(TareCommand, CountsItsSecondsFromTheFirstFrame) {
+  const std::string profile = folder_.write(
+      "p.toml", "[format]\nkind = \"csv\"\nchannels = 2\n[channels]\nnormal = [0, 1]\n[calibration]\ngain = 1\n");
+  const std::string board = "sleep 1; for k in $(seq 60); do echo 1,$((k % 2)); sleep 0.01; done; sleep 1";
+  const ChildResult tared = run_child({"/bin/sh", "-c",
+                                       "(" + board + ") | " + TACTEL_PROGRAM + " tare --source csv:- --profile " +
+                                           profile + " --output " + calibration_ + " --seconds 0.5"});
+  EXPECT_EQ(tared.exit_code, 0) << tared.err;
+  EXPECT_THAT(tared.err, HasSubstr("the mean of "));
+}
+
 TEST_F(TareCommand, CtrlCWritesNoCalibration) {
   const std::string paced = "simulate:" + scene + "?press=0&hold=90&drag=0&slip=0&time_constant=0";
   EXPECT_EQ(run_child({"/usr/bin/timeout", "--preserve-status", "--signal=INT", "4", TACTEL_PROGRAM, "tare", "--source",

@@ -17,6 +17,7 @@
 #include "host/live/frame_reader.h"
 #include "host/live/open_source.h"
 #include "hw/csv_format.h"
+#include "tests/hw/serial_rate.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
@@ -261,11 +262,37 @@ TEST(CsvTerminal, LinesOfASerialPort) {
   const OpenSource opened = open_source(std::string("serial:") + ::ptsname(board) + "?baud=230400", profile, "");
   termios settings{};
   ASSERT_EQ(::tcgetattr(board, &settings), 0);
-  EXPECT_EQ(::cfgetispeed(&settings), static_cast<speed_t>(B230400));
+  EXPECT_EQ(hw::serial_rate(board), 230400u);
   EXPECT_EQ(settings.c_lflag & ECHO, 0u);
   ASSERT_EQ(::write(board, "1,2\r\n3,4\r\n", 10), 10);
   EXPECT_TRUE(opened.source->wait(1));
   EXPECT_TRUE(opened.source->live());
+  ::close(board);
+}
+
+// A board that boots prints a banner, and streams when it is told to; its rate is that of the profile.
+TEST(CsvTerminal, CallsABoardUntilItsFirstLineOfNumbers) {
+  const int board = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  ASSERT_TRUE(board >= 0 && ::grantpt(board) == 0 && ::unlockpt(board) == 0);
+  const ScratchFolder folder;
+  const std::string profile =
+      folder.write("line.toml",
+                   "[device]\nbaud = 9600\nstart = [83]\n[format]\nkind = \"csv\"\nchannels = 2\n"
+                   "[channels]\nnormal = [0, 1]\n[calibration]\noffset = 0\ngain = 1\n");
+  const OpenSource opened = open_source(std::string("serial:") + ::ptsname(board), profile, "");
+  EXPECT_EQ(hw::serial_rate(board), 9600u);
+  ASSERT_EQ(::write(board, "pad v1.2 ready\r\n", 16), 16);
+  hw::Decoder decoder(hw::csv_format(2));
+  char heard[8] = "";
+  const auto began = Clock::now();
+  const auto stop = [&] { return seconds_since(began) > 1.5; };
+  read_frames(*opened.source, decoder, {.stop = stop});
+  EXPECT_EQ(::read(board, heard, sizeof heard), 2) << "at once, and a second later";
+  ASSERT_EQ(::write(board, "1,2\r\n", 5), 5);
+  EXPECT_TRUE(opened.source->wait(1));
+  const auto answered = Clock::now();
+  read_frames(*opened.source, decoder, {.stop = [&] { return seconds_since(answered) > 1.2; }});
+  EXPECT_LT(::read(board, heard, sizeof heard), 1);
   ::close(board);
 }
 
