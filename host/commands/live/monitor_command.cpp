@@ -410,7 +410,7 @@ int run_monitor(MonitorRequest request) {
                  .pads = opened.profile.pads});
   const char* const name = networks.empty() ? nullptr : nn::name(target);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
-  const Until until(request.seconds);
+  const Until until(*opened.source, request.seconds);
   std::vector<std::string> later;
   const MonitorSummary summary = monitor.run(
       *opened.source, make_events(request, name, opened.profile.map.tactels(), view, browser, output, until, later));
