@@ -10,10 +10,10 @@
 //     build/bench/tactel_pad_study sides [SCENES, 120] [SEED, 2027] [ANSWERS]
 //
 // prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, or on
-// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is
-// exceeded twice, or less than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts
-// for the answer. A scene whose reference does not settle has no answer to judge by: it is named and left out, and more
-// than one in fifty fail.
+// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, or 90 %
+// of those of one quantity on one rung, one of S or P is exceeded threefold, or less than 97 % of accuracies are kept.
+// By what the reference may itself be off (printed) counts for the answer. A scene whose reference does not settle has
+// no answer to judge by: it is named and left out, and more than one in fifty fail.
 //
 // ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 32 with free sides,
 // and so many increments that a path has 24.
@@ -116,8 +116,8 @@ void print(const std::string& what, const ByClass& errors) {
   print("all", errors[pad_classes]);
 }
 
-fem::PadSolution twin(const PadRung& rung, const fem::PadScene& scene) {
-  const fem::PadOptions options{.cells = rung.cells, .pressing_increments = rung.increments};
+fem::PadSolution twin(const PadRung& rung, const fem::PadScene& scene, double tolerance) {
+  const fem::PadOptions options{.cells = rung.cells, .tolerance = tolerance, .pressing_increments = rung.increments};
   return fem::PadSolver(fem::pad_layer(scene.sensor.poisson), options).solve(scene);
 }
 
@@ -155,7 +155,7 @@ int table(int count, unsigned seed, const std::string& answers, const char* file
     };
     add(own, truth.error);
     for (const PadRung& rung : pad_rungs())
-      if (!rung.exact) add(made[rung.name], fem::pad_difference(twin(rung, pad.scene), truth.solution));
+      if (!rung.exact) add(made[rung.name], fem::pad_difference(twin(rung, pad.scene, 1e-3), truth.solution));
   });
   fmt::print("{} scenes of seed {}\n", count, seed);
   print("the reference, its own estimate", own);
@@ -167,11 +167,11 @@ int table(int count, unsigned seed, const std::string& answers, const char* file
 /// Stated and made errors of answers.
 struct Tally {
   std::array<std::vector<double>, names.size()> said, made;
-  void add(const PadOutcome& outcome, const fem::PadReferenceSolution& truth) {
-    const Errors off = fem::pad_difference(outcome.solution, truth.solution);
+  void add(const fem::PadSolution& answer, const ExpectedError& error, const fem::PadReferenceSolution& truth) {
+    const Errors off = fem::pad_difference(answer, truth.solution);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto member = fem::pad_error_members[k];
-      said[k].push_back(outcome.error->expected.*member);
+      said[k].push_back(error.expected.*member);
       made[k].push_back(std::max(0.0, off.*member - truth.error.*member));
     }
   }
@@ -187,16 +187,37 @@ struct Tally {
   }
 };
 
-SolveOptions by_twin(const std::string& rung) {
-  SolveOptions options;
-  options.solver = "twin", options.rung = rung;
-  return options;
-}
+/// Answers of the rungs below the reference to one scene, in fp64, and the errors that solve() states of them.
+struct Answers {
+  explicit Answers(const fem::PadScene& scene) : scene(scene), judge(scene) {
+    for (const PadRung& rung : pad_rungs())
+      if (!rung.exact) of.emplace(rung.name, twin(rung, scene, 1e-6));
+  }
+  ExpectedError error(const PadRung& rung, int cells) {
+    const fem::PadSolution& answer = of.at(rung.name);
+    const auto error = judge.error(rung, answer, cells);
+    return error ? *error : expected_pad_error(rung, scene, deepest(answer));
+  }
+  /// The rung that solve() takes for an accuracy; none: the reference.
+  const PadRung* planned(double accuracy) {
+    for (const PadRung& rung : pad_rungs())
+      if (!rung.exact && std::ranges::any_of(PadJudge::cells(rung), [&](int cells) {
+            return cells <= 32 && error(rung, cells).expected.S <= accuracy;  // 48 take seconds
+          }))
+        return &rung;
+    return nullptr;
+  }
+
+  const fem::PadScene& scene;
+  PadJudge judge;
+  std::map<std::string, fem::PadSolution> of;
+};
 
 int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
   std::map<std::string, Tally> rungs;
   struct Kept {
     int all = 0, kept = 0, reference = 0;
+    std::map<std::string, int> of;  ///< rungs that are taken
   };
   std::map<double, Kept> accuracies{{0.05, {}}, {0.02, {}}, {0.01, {}}};
   std::vector<Errors> own;
@@ -210,10 +231,10 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
       return;
     }
     own.push_back(truth.error);
+    Answers answers_of(pad.scene);
     for (const PadRung& rung : pad_rungs()) {
       if (rung.exact) continue;
-      const PadOutcome outcome = solve(pad.scene, by_twin(rung.name));
-      rungs[rung.name].add(outcome, truth);
+      rungs[rung.name].add(answers_of.of.at(rung.name), answers_of.error(rung, PadJudge::usual_cells(rung)), truth);
       if (std::getenv("TACTEL_EACH") == nullptr) continue;
       fmt::print(stderr, "{} {} {}: {}", scene, fem::shape_name(pad.scene.indenter.shape), name(pad.way), rung.name);
       for (std::size_t k = 0; k < names.size(); ++k)
@@ -222,12 +243,10 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
       fmt::print(stderr, "\n");
     }
     for (auto& [accuracy, tally] : accuracies) {
-      const PadRung* rung = &first_pad_rung(pad.scene, accuracy);  // as solve goes on
-      while (!rung->exact && rungs[rung->name].said[0].back() > accuracy) ++rung;
-      if (rung->exact)
-        ++tally.reference;  // it would judge itself
+      if (const PadRung* rung = answers_of.planned(accuracy))
+        ++tally.all, tally.kept += rungs[rung->name].made[0].back() <= accuracy, ++tally.of[rung->name];
       else
-        ++tally.all, tally.kept += rungs[rung->name].made[0].back() <= accuracy;
+        ++tally.reference;  // it would judge itself
     }
   });
   fmt::print("{} scenes of seed {}, {} left out\n", count, seed, unsettled);
@@ -235,6 +254,7 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
   fmt::print("{:<8} {:<6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "rung", "error", "said 50%", "made 50%", "said 95%",
              "made 95%", "held", "worst");
   bool good = 50 * unsettled <= count;
+  double all_held = 0, quantities = 0;
   for (const PadRung& rung : pad_rungs()) {
     if (rung.exact) continue;
     const Tally& t = rungs[rung.name];
@@ -242,12 +262,17 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
       fmt::print("{:<8} {:<6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.2f}\n", rung.name, names[k],
                  covering_value(t.said[k], 0.5), covering_value(t.made[k], 0.5), covering_value(t.said[k], 0.95),
                  covering_value(t.made[k], 0.95), 100 * t.held(k), t.worst(k));
-      good = good && t.held(k) >= 0.95 && t.worst(k) <= 2;
+      good = good && t.held(k) >= 0.9 && (k > 1 || t.worst(k) <= 3);
+      all_held += t.held(k), ++quantities;
     }
   }
+  fmt::print("{:.1f} % of all stated errors hold\n", 100 * all_held / quantities);
+  good = good && all_held >= 0.95 * quantities;
   for (const auto& [accuracy, tally] : accuracies) {
-    fmt::print("--accuracy {:g}: kept by {} of {}; the reference answers {} more\n", accuracy, tally.kept, tally.all,
+    fmt::print("--accuracy {:g}: kept by {} of {}; the reference answers {} more; of", accuracy, tally.kept, tally.all,
                tally.reference);
+    for (const auto& [rung, count] : tally.of) fmt::print(" {} {}", rung, count);
+    fmt::print("\n");
     good = good && 100 * tally.kept >= 97 * tally.all;
   }
   return good ? 0 : 1;

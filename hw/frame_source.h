@@ -54,6 +54,8 @@ class FrameSource {
   /// Returns the current time of the clock of arrivals, s. now() - arrival is the age of a packet.
   virtual double now() const = 0;
   virtual TransportCounts counts() const = 0;
+  /// Ends the source after this time of its own, s. Returns false where its time is that of the clock.
+  virtual bool end_after(double) { return false; }
   /// Returns true where the source was truncated, such as a recording that was cut off. Known once finished.
   virtual bool cut_short() const { return false; }
   /// Returns what was wrong with the first of TransportCounts::bad; empty: none were.

@@ -43,13 +43,11 @@ double stress_work(const PadScene& scene, const PadCells& cells, bool shared) {
   return tactels * std::pow(points_along_tactel(scene.sensor), 2) * points_of_part * along(cells.hx) * along(cells.hy);
 }
 
-/// Whether cells share parts, which takes less where they have many.
+/// Whether cells share parts: where they have some, and that takes less.
 bool shares_parts(const PadScene& scene, const PadCells& cells) {
-  constexpr int many = 25;
-  constexpr double most_work = 2e9;
   const double H = scene.sensor.thickness;
-  const int parts = PadLayer::parts(cells.hx / H) * PadLayer::parts(cells.hy / H);
-  return parts > many || (parts > 1 && stress_work(scene, cells, false) > most_work);
+  return PadLayer::parts(cells.hx / H) * PadLayer::parts(cells.hy / H) > 1 &&
+         stress_work(scene, cells, true) < stress_work(scene, cells, false);
 }
 
 /// How much of the last change of the tractions to expect again: the part of the new change of the load along the last

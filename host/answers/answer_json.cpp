@@ -61,7 +61,9 @@ Json error_json(const ExpectedError& error, bool of_pad) {
   Json out = {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}};
   if (of_pad) out["M"] = e.M;
   out[of_pad ? "sigma_z" : "sigma_y"] = e.sigma, out[of_pad ? "tau" : "tau_xy"] = e.tau;
-  if (of_pad) out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
+  if (of_pad)
+    out.update(
+        {{"largest", error.largest}, {"strain", error.strain}, {"scenes", error.scenes}, {"outside", error.outside}});
   if (!error.from.empty()) out["from"] = error.from;
   return out;
 }

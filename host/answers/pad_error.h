@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -46,6 +47,16 @@ std::string judged_by(const ExpectedError& error);
 
 double deepest(const fem::PadSolution& solution);  ///< mm, of all steps
 
+/// Returns true for punches, boxes and height maps.
+bool has_flat_face(const fem::PadScene& scene);
+inline constexpr double deep_face = 0.05;  ///< depth over thickness from which faces are warned of
+/// Returns what large strain adds to P at most, over it: rubber is linear here. Of neo-Hookean rubber, under faces 1.6
+/// depth over thickness, under balls 1.3 %, half the depth where they touch 1.5 thicknesses to a side or more
+/// (docs/notebook/2026-11-29-answers.md).
+double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution);
+/// Completes the errors of an answer, whose Q and M may be 0, by that of large strain.
+void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSolution& solution);
+
 /// Returns the errors of a rung below the reference on the class of a scene.
 const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene);
 /// Returns an element of pad_rungs(): the cheapest whose errors of the class keep an accuracy of S, else the finest
@@ -55,16 +66,25 @@ const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy);
 /// ones three times those, as on lines (host/answers/planner.h).
 ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
 
-/// Solves a scene a second time to state the errors of its answers: by the twin, on 24 or more cells with twice as many
+/// Solves a scene a second time to state the errors of its answers: by the twin, on more cells with twice as many
 /// increments of pressing and drags. Keeps a reference to the scene.
 class PadJudge {
  public:
   explicit PadJudge(const fem::PadScene& scene) : scene_(scene) {}
 
-  /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
-  /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds,
-  /// and where the second solution misses its tolerance.
-  std::optional<ExpectedError> error(const PadRung& rung, const fem::PadSolution& answer);
+  /// Returns the cells along a side of second solutions that an accuracy tries for a rung, cheapest first.
+  static std::vector<int> cells(const PadRung& rung);
+  static int usual_cells(const PadRung& rung) { return std::max(24, 4 * rung.cells / 3); }
+  /// Returns false for more load steps than 100, which would take seconds.
+  static bool serves(std::size_t steps);
+
+  /// Returns the errors to expect of an answer: its differences from a second solution on so many cells, times factors,
+  /// and a little. They cover 95 % of scenes (bench/pad_study.cpp). None where it does not serve, and where the second
+  /// solution misses its tolerance.
+  std::optional<ExpectedError> error(const PadRung& rung, const fem::PadSolution& answer, int cells);
+  std::optional<ExpectedError> error(const PadRung& rung, const fem::PadSolution& answer) {
+    return error(rung, answer, usual_cells(rung));
+  }
 
  private:
   const fem::PadSolution& finer(int cells);

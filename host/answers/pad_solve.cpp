@@ -51,6 +51,7 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
     outcome.error = {
         .expected = answer.error, .from = "half as many cells", .largest = answer.error.S, .scenes = "this scene"};
     outcome.solution = std::move(answer.solution);
+    complete(*outcome.error, outcome.scene, outcome.solution);
     return;
   }
   outcome.solver = "twin";
@@ -64,37 +65,66 @@ bool touches(const fem::PadSolution& solution) {
   return std::ranges::any_of(solution.steps, [](const fem::PadStep& step) { return step.P > 0; });
 }
 
+/// States the errors of an answer that touches: beside a second solution on so many cells, or by class. Returns true
+/// for the first.
+bool state_error(PadOutcome& outcome, PadJudge& judge, int cells) {
+  outcome.error = judge.error(outcome.rung, outcome.solution, cells);
+  const bool judged = outcome.error.has_value();
+  if (!judged) outcome.error = expected_pad_error(outcome.rung, outcome.scene, deepest(outcome.solution));
+  complete(*outcome.error, outcome.scene, outcome.solution);
+  return judged;
+}
+
+void solve_on_rung(PadOutcome& outcome, const PadRung& rung, const SolveOptions& options) {
+  outcome.rung = rung;
+  refuse_endless(outcome.scene, rung.cells);
+  if (rung.exact || options.solver == "twin")
+    solve_on_host(outcome, options);
+  else
+    solve_on_device(outcome, options);
+  refuse_at_edge(outcome.scene, distance_to_edge(outcome.scene, outcome.solution));
+}
+
+/// Whether a second solution on one of ever more cells says that the answer keeps the accuracy; without any, the class
+/// of the scene says it. Tables of free sides have 9 cells^2 numbers.
+bool keeps_accuracy(PadOutcome& outcome, PadJudge& judge) {
+  constexpr int most_with_sides = 32;
+  bool judged = false;
+  for (const int cells : PadJudge::cells(outcome.rung)) {
+    if (cells > most_with_sides && fem::has_free_sides(outcome.scene.sensor)) continue;
+    if (!state_error(outcome, judge, cells)) continue;
+    if (outcome.kept()) return true;
+    judged = true;
+  }
+  return !judged && outcome.kept();
+}
+
+/// Goes up the rungs until one keeps the accuracy. Where there are no second solutions the classes say where to begin.
+void solve_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& options) {
+  const PadRung* rung = &pad_rungs().front();
+  solve_on_rung(outcome, *rung, options);
+  if (!touches(outcome.solution)) return;
+  if (!PadJudge::serves(outcome.solution.steps.size())) rung = &first_pad_rung(outcome.scene, *options.accuracy);
+  for (;; ++rung) {
+    if (rung->name != outcome.rung.name) solve_on_rung(outcome, *rung, options);
+    if (rung->exact || keeps_accuracy(outcome, judge)) return;
+  }
+}
+
 }  // namespace
 
 PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   check_pad_options(options);
-  if (fem::has_free_sides(scene.sensor) && options.precision == "fp32")
-    throw ConfigError("command line", "--precision", "fp32",
-                      "fp64 where sensor.sides are free: solve takes the host; sets of them take a device");
   scene.validate();
   PadOutcome outcome;
-  outcome.scene = scene;
-  outcome.rung = !options.rung.empty() ? pad_rung_named(options.rung)
-                 : options.accuracy    ? pad_rungs().front()
-                                       : usual_pad_rung();
-  outcome.accuracy = options.accuracy;
+  outcome.scene = scene, outcome.accuracy = options.accuracy;
   PadJudge judge(scene);
-  const auto on_rung = [&] {
-    refuse_endless(scene, outcome.rung.cells);
-    if (outcome.rung.exact || options.solver == "twin" || fem::has_free_sides(scene.sensor))
-      solve_on_host(outcome, options);
-    else
-      solve_on_device(outcome, options);
-    if (outcome.rung.exact || !touches(outcome.solution)) return;
-    outcome.error = judge.error(outcome.rung, outcome.solution);
-    if (!outcome.error) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
-  };
-  on_rung();
-  refuse_at_edge(scene, distance_to_edge(scene, outcome.solution));
-  if (options.accuracy && touches(outcome.solution)) {  // the depth of a force is known now
-    const PadRung* rung = &first_pad_rung(scene, *options.accuracy);
-    if (rung->name != outcome.rung.name) outcome.rung = *rung, on_rung();
-    while (!outcome.kept() && !outcome.rung.exact) outcome.rung = *++rung, on_rung();
+  if (options.accuracy) {
+    solve_to_accuracy(outcome, judge, options);
+  } else {
+    solve_on_rung(outcome, options.rung.empty() ? usual_pad_rung() : pad_rung_named(options.rung), options);
+    if (!outcome.rung.exact && touches(outcome.solution))
+      state_error(outcome, judge, PadJudge::usual_cells(outcome.rung));
   }
   if (!touches(outcome.solution)) outcome.error.reset();
   return outcome;

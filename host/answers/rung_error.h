@@ -24,6 +24,7 @@ struct ExpectedError {
   AnswerError expected;
   std::string from{};    ///< the model of comparison: "81 x 21", "24 elements", "24 x 24 cells"; empty: by class
   double largest = 0;    ///< of pads, of S: what almost all answers stay below
+  double strain = 0;     ///< of pads: the part of P and sigma that large strain adds
   std::string scenes{};  ///< of pads: "this scene"; "smooth": by the class of the scene
   std::vector<std::string> outside{};  ///< of pads: "friction 0.01 (measured 0.05 to 1.5)", outside the measured scenes
 };

@@ -121,9 +121,21 @@ std::optional<std::string> edge_warning(const PadOutcome& outcome) {
 
 std::optional<std::string> error_warning(const PadOutcome& outcome) {
   if (!outcome.error) return std::nullopt;
-  const auto& e = outcome.error->expected;
-  if (e.S <= large_error && e.P <= large_error) return std::nullopt;
-  return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", e.S, percent(e.P));
+  const double S = outcome.error->expected.S, P = outcome.error->expected.P - outcome.error->strain;  // by the cells
+  if (S <= large_error && P <= large_error) return std::nullopt;
+  return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", S, percent(P));
+}
+
+/// Of depths at which rubber is not linear.
+std::optional<std::string> strain_warning(const PadOutcome& outcome) {
+  const double H = outcome.scene.sensor.thickness, depth = deepest(outcome.solution);
+  constexpr double rounding = 1e-6;  // of a depth in fp32
+  if (!has_flat_face(outcome.scene) || depth <= deep_face * (1 + rounding) * H)
+    return depth_warning(H, outcome.solution.steps);
+  return fmt::format(
+      "the face is {:.3g} mm deep, {:.0f} % of the thickness: by large strain, which the model leaves out, rubber is "
+      "some {} stiffer there",
+      depth, 100 * depth / H, percent(strain_error(outcome.scene, outcome.solution)));
 }
 
 /// Error of P of a step whose contact extends over so few cells: fem::least_across.
@@ -225,10 +237,10 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
 std::vector<std::string> warnings(const PadOutcome& outcome) {
   const auto& steps = outcome.solution.steps;
   const auto limit = [](const fem::PadStep& step) { return slip_limit(std::sqrt(step.area)); };
-  auto all = those_of(
-      unit_warnings(outcome.scene),
-      {depth_warning(outcome.scene.sensor.thickness, steps), untouched_warning(steps), few_cells_warning(outcome),
-       slip_warning(steps, "cells", limit), error_warning(outcome), edge_warning(outcome), pitch_warning(outcome)});
+  auto all =
+      those_of(unit_warnings(outcome.scene), {strain_warning(outcome), untouched_warning(steps),
+                                              few_cells_warning(outcome), slip_warning(steps, "cells", limit),
+                                              error_warning(outcome), edge_warning(outcome), pitch_warning(outcome)});
   if (outcome.error)
     for (const std::string& what : outcome.error->outside)
       all.push_back("errors were not measured for scenes like this one: " + what);

@@ -80,7 +80,8 @@ PadPath path_of(const host::PadOutcome& outcome) {
   path.rung = outcome.rung.name;
   if (const auto& error = outcome.error) {
     const host::AnswerError& e = error->expected;
-    path.error = {e.S, error->largest, error->scenes, error->outside, e.P, e.Q, e.M, e.sigma, e.tau, error->from};
+    path.error = {e.S, error->largest, error->strain, error->scenes, error->outside, e.P, e.Q,
+                  e.M, e.sigma,        e.tau,         error->from};
   }
   return path;
 }

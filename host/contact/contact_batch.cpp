@@ -13,6 +13,7 @@ ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene),
 
 fem::ContactStep lane_step(const std::function<double(int)>& row, double mu) {
   auto step = step_of<fem::ContactStep>(row, mu);
+  if (step.slip_index) step.slip_index = std::clamp(*step.slip_index, -1.0, 1.0);  // fp32 rounds beyond them
   step.tangential = row(LANE_TANGENTIAL), step.Q = row(LANE_Q), step.residual.balance = row(LANE_BALANCE);
   return step;
 }

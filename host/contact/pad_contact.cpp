@@ -791,7 +791,10 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
   auto step = step_of<fem::PadStep>(row, mu);
   step.x = target.x, step.y = target.y, step.twist = target.twist;
   step.Q = {row(PAD_RESULT_QX), row(PAD_RESULT_QY)}, step.M = row(PAD_RESULT_M);
-  if (step.slip_index) step.force_ratio = step.Q.norm() / (mu * step.P);
+  if (step.slip_index) {
+    step.slip_index = std::min(1.0, *step.slip_index);  // fp32 rounds beyond it
+    step.force_ratio = step.Q.norm() / (mu * step.P);
+  }
   const double stick = row(RESULT_STICKING), touch = stick + row(RESULT_SLIPPING);
   step.stick_fraction = touch > 0 ? stick / touch : 0;
   step.area = row(PAD_RESULT_AREA), step.across = static_cast<int>(row(PAD_RESULT_ACROSS));

@@ -194,6 +194,12 @@ std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
   return hw::Packet{packet_, overdue ? due(frame_ - 1) : now()};
 }
 
+bool SimulatedSensor::end_after(double seconds) {
+  frames_ = static_cast<std::uint64_t>(
+      std::clamp(std::ceil(seconds * options_.rate * (1 - 1e-12)), 1.0, static_cast<double>(frames_)));
+  return true;
+}
+
 double SimulatedSensor::time_of(std::uint64_t frame) const {
   const double played =
       std::min(std::floor(due(frame) / play_.duration()), options_.repeat - 1.0);  // the end is not a new start

@@ -78,6 +78,7 @@ class SimulatedSensor final : public hw::FrameSource {
   bool live() const override { return options_.paced; }
   double now() const override;
   hw::TransportCounts counts() const override { return counts_; }
+  bool end_after(double seconds) override;
 
  private:
   void append_frame();

@@ -90,14 +90,15 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
                           BrowserView& browser, Output& output, const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
   const auto on = std::make_shared<std::optional<bool>>();  // the alarm; none before the first frame
-  events.line = [&, target, tactels, on, cannot_tell = false, why = CannotTell::none,
+  events.line = [&, target, tactels, on, cannot_tell = false, why = CannotTell::none, released = false,
                  doubts = Doubts(request)](const MonitorLine& line) mutable {
     const auto of_sensor = [](CannotTell reason) {
       return reason == CannotTell::not_a_number || reason == CannotTell::frozen || reason == CannotTell::wrong_sign;
     };
     const bool turned = line.alarm != on->value_or(false) || (request.widest && line.cannot_tell != cannot_tell) ||
                         (line.why != why && (of_sensor(why) || of_sensor(line.why)));
-    *on = line.alarm, cannot_tell = line.cannot_tell, why = line.why;
+    const bool told = turned || line.cannot_tell != cannot_tell || line.released != released;  // to a browser
+    *on = line.alarm, cannot_tell = line.cannot_tell, why = line.why, released = line.released;
     std::vector<std::string> warnings = doubts.next(line);
     for (const Drift& drift : line.drift) warnings.push_back(drift.text);
     for (const std::string& warning : warnings) {
@@ -108,7 +109,7 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, std
     }
     // Events are printed, whatever --every says.
     const bool event = (request.alarm && turned) || !line.drift.empty();
-    browser.show([&] { return line_text(request, line, target, tactels); }, event);
+    browser.show([&] { return line_text(request, line, target, tactels); }, event || told);
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
     if (!request.view) return output.put(line_text(request, line, target, request.stresses ? tactels : 0) + "\n");
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
@@ -265,7 +266,7 @@ int run_monitor(MonitorRequest request) {
   const char* const name = networks.empty() ? nullptr : nn::is_slide(target) ? "slid" : nn::name(target);
   say_left(request, opened.profile.map);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
-  const Until until(request.seconds);
+  const Until until(*opened.source, request.seconds);
   std::vector<std::string> later;
   const MonitorSummary summary = monitor.run(
       *opened.source, make_events(request, name, opened.profile.map.tactels(), view, browser, output, until, later));

@@ -109,7 +109,7 @@ int run_record(const RecordRequest& request) {
   check_outputs(request);
   OpenSource opened = open_for(request);
   hw::Decoder decoder(opened.profile.format());
-  const Until until(request.seconds);
+  const Until until(*opened.source, request.seconds);
   FrameTable table(request, decoder.format().channels());
   hw::RecordingWriter writer(request.output, opened.profile.text, request.existing());
   {

@@ -35,10 +35,11 @@ void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource&
 /// Prints a line on stderr. A closed or full stderr does not end a reading.
 void say(const std::string& text);
 
-/// Ends a reading after some s, or on Ctrl-C.
+/// Ends a reading after some s, or on Ctrl-C. A source with a time of its own ends by that.
 class Until {
  public:
-  explicit Until(double seconds) : seconds_(seconds) {}  ///< 0: no such limit
+  Until(hw::FrameSource& source, double seconds)  ///< 0: no such limit
+      : seconds_(seconds > 0 && source.end_after(seconds) ? 0 : seconds) {}
   bool operator()() const { return by_signal() || (seconds_ > 0 && passed() >= seconds_); }
   bool by_signal() const { return interrupt_.requested(); }
   double passed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }

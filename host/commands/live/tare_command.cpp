@@ -179,7 +179,7 @@ int run_tare(const TareRequest& request) {
   const std::vector<nn::Model> networks = networks_of(request);
   OpenSource opened = open_for(request);
   hw::Decoder decoder(opened.profile.format());
-  const Until until(0);
+  const Until until(*opened.source, 0);
   const hw::Tare tare = [&] {
     const StageLine stage("listening to the sensor at rest", request.quiet);
     return read_rest(request, *opened.source, decoder, until);

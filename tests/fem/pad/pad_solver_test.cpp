@@ -308,6 +308,14 @@ TEST(PadSolver, ReachesGivenForces) {
   }
 }
 
+// Cells two thicknesses wide have 5 parts a side: 25 of their own, each with its 5 x 5 around it, or (8 + 4) 5 along a
+// row of 8 together. Some 20 points a part.
+TEST(PadSolver, WideCellsShareThePartsOfTheirBaseStress) {
+  const PadScene scene = scene_of(Paraboloid{{90, 90}}, 0.1, 1, 0.48, 0.5, {});
+  const double tactels = scene.sensor.tactels[0] * scene.sensor.tactels[1];
+  EXPECT_LE(base_stress_work(scene, {.n = 8, .hx = 2, .hy = 2}), tactels * 20 * std::pow((8 + 4) * 5, 2));
+}
+
 TEST(PadSolver, AnIndenterThatDoesNotTouchBearsNothing) {
   PadScene scene = scene_of(Sphere{8}, .25, 2, .45, .5, {});
   scene.load.indentation = {.25, 0};

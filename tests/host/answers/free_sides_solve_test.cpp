@@ -34,13 +34,14 @@ fem::PadScene over_the_edge() {
   return scene;
 }
 
-TEST(FreeSidesSolve, AnswersByTheTwinOnAllRungs) {
+TEST(FreeSidesSolve, AnswersByTheKernelOnAllRungs) {
   const fem::PadScene scene = over_the_edge();
   const PadOutcome twelve = solve(scene, {}), eight = solve(scene, {.rung = "pad-8"});
   const PadOutcome reference = solve(scene, {.rung = "reference"});
   for (const PadOutcome* of : {&twelve, &eight}) {
-    EXPECT_EQ(of->solver, "twin");
-    EXPECT_EQ(of->precision, "fp64");
+    EXPECT_EQ(of->solver, "batched");
+    EXPECT_NE(of->device, "host");
+    EXPECT_FALSE(of->solution.fell_back);
     ASSERT_TRUE(of->error);
     for (std::size_t k = 0; k < of->solution.steps.size(); ++k) {
       const fem::PadStep &step = of->solution.steps[k], &exact = reference.solution.steps[k];
@@ -69,9 +70,27 @@ TEST(FreeSidesSolve, HeldSidesAreTheEndlessLayerAndRefuseEdges) {
   EXPECT_EQ(solve(scene, {.precision = "fp32"}).solution.steps[0].P, held);  // not given: as before
 }
 
+// The kernel and the twin share the algorithm: what their tolerances leave, of S also the rounds of its margin.
+TEST(FreeSidesSolve, TakesDeviceAndPrecisionAsHeldPadsDo) {
+  const fem::PadScene scene = over_the_edge();
+  EXPECT_THAT(thrown_message<ConfigError>([&] { solve(scene, {.device = "nosuchdevice"}); }),
+              HasSubstr("nosuchdevice"));
+  const PadOutcome twin = solve(scene, {.rung = "pad-8", .solver = "twin"});
+  EXPECT_EQ(twin.solver, "twin");
+  EXPECT_EQ(twin.device, "host");
+  for (const auto& [precision, off] : {std::pair{"fp32", 5e-4}, {"fp64", 1e-6}}) {
+    const PadOutcome kernel = solve(scene, {.rung = "pad-8", .precision = precision});
+    EXPECT_EQ(kernel.precision, precision);
+    for (std::size_t k = 0; k < twin.solution.steps.size(); ++k) {
+      const fem::PadStep &p = kernel.solution.steps[k], &q = twin.solution.steps[k];
+      EXPECT_NEAR(p.P / q.P, 1, off);
+      EXPECT_LT((p.Q - q.Q).norm(), 4 * off * scene.friction * q.P);
+      EXPECT_NEAR(*p.slip_index, *q.slip_index, 1.5e-3);
+    }
+  }
+}
+
 TEST(FreeSidesSolve, RefusesWhatItDoesNotBear) {
-  EXPECT_THAT(thrown_message<ConfigError>([&] { solve(over_the_edge(), {.precision = "fp32"}); }),
-              AllOf(HasSubstr("--precision = fp32"), HasSubstr("sides are free")));
   fem::PadScene wide = over_the_edge();  // over 60 mm of a pad that is 80 mm long, 18 H
   wide.sensor.length = 80, wide.indenter = {.shape = fem::Box{{30, 4}, 0}};
   wide.load = {.indentation = {0.1}};

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_reference.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/answer_table.h"
 #include "host/answers/solve.h"
@@ -126,16 +127,33 @@ TEST_P(PadJudgeOf, CoversTheErrorsBesideAnotherProgram) {
     S = std::max(S, std::abs(*step.slip_index - judged.S[k]));
     if (k < judged.P.size()) P = std::max(P, std::abs(step.P - judged.P[k]) / judged.P[0]);
   }
-  const auto& said = outcome.error.value().expected;
+  auto said = outcome.error.value().expected;
+  said.P -= outcome.error->strain;  // the other program has none
   EXPECT_GE(said.S, S - judged.S_off) << judged.name;
   EXPECT_GE(said.P, P - judged.P_off) << judged.name;
-  // Not by stating much: factors of 2.5 on what twice the increments change, of 4 where answers agree by less.
-  EXPECT_LE(said.S, 4 * (S + judged.S_off) + 0.004) << judged.name;
-  EXPECT_LE(said.P, 4 * (P + judged.P_off) + 0.004) << judged.name;
+  // Not by stating much: factors of up to 1.8 on differences, which themselves are off by a fifth, and a little.
+  EXPECT_LE(said.S, 2.2 * (S + judged.S_off) + 0.002) << judged.name;
+  EXPECT_LE(said.P, 2 * (P + judged.P_off) + 0.002 + (judged.name == std::string("ridges") ? 0.025 : 0)) << judged.name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PadJudgeOf,
                          testing::Combine(testing::Range(0, 5), testing::Values("pad-8", "pad-12")));
+
+class PadAccuracyOnDevice : public testing::TestWithParam<std::tuple<int, double>> {};
+
+TEST_P(PadAccuracyOnDevice, IsKeptBesideAnotherProgram) {
+  const auto& [number, accuracy] = GetParam();
+  const JudgedScene judged = judged_scenes()[static_cast<std::size_t>(number)];
+  SolveOptions options;
+  options.accuracy = accuracy;
+  const PadOutcome outcome = solve(judged.scene, options);
+  EXPECT_TRUE(outcome.kept()) << judged.name;
+  for (std::size_t k = 0; k < judged.S.size(); ++k)
+    EXPECT_NEAR(*outcome.solution.steps[k].slip_index, judged.S[k], accuracy + judged.S_off) << judged.name << k;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PadAccuracyOnDevice,
+                         testing::Combine(testing::Range(0, 5), testing::Values(0.05, 0.025)));
 
 // A flat punch 8 thicknesses to a side without friction on incompressible rubber: P = 2 E a kappa d / (1 - nu^2), kappa
 // = 146.320 by the integral equation of a bonded layer, 499.45 N. Cells are wider than the rubber is thick.
@@ -145,12 +163,63 @@ TEST(PadJudge, StatesTheErrorOfPUnderAWidePunch) {
   for (const char* rung : {"pad-8", "pad-12"}) {
     const PadOutcome outcome = by_twin(scene, rung);
     const double off = std::abs(outcome.solution.steps[0].P / P - 1);
-    EXPECT_GE(outcome.error.value().expected.P, off) << rung;
-    EXPECT_LE(outcome.error.value().expected.P, 2 * off) << rung;
+    const double said = outcome.error.value().expected.P - outcome.error->strain;
+    EXPECT_GE(said, off) << rung;
+    EXPECT_LE(said, 2 * off) << rung;
     EXPECT_EQ(outcome.error.value().expected.S, 0);  // S has none
     EXPECT_THAT(warnings(outcome), testing::ElementsAre(HasSubstr("S may be off by 0 and P by ")));
   }
   EXPECT_THAT(warnings(by_twin(scene, "pad-24")), IsEmpty());
+}
+
+// Q and M are 0 by symmetry: what sweeps leave of them is no largest to which an error is relative.
+TEST(PadJudge, APressHasNoErrorOfQAndM) {
+  for (const fem::PadIndenter& indenter : {turned(fem::Sphere{6}, 0), turned(fem::Box{{2, 1.4}, 0.3}, 20)}) {
+    const PadOutcome outcome = by_twin(scene_of(2, 0.45, 0.5, indenter, 0.1, {}), "pad-8");
+    EXPECT_EQ(outcome.error.value().expected.Q, 0);
+    EXPECT_EQ(outcome.error->expected.M, 0);
+    EXPECT_GT(outcome.error->expected.tau, 0);
+    EXPECT_THAT(answer_table(outcome), HasSubstr("Q 0 %, M 0 %"));
+  }
+  const PadOutcome tilted =
+      by_twin(scene_of(2, 0.45, 0.5, turned(fem::Box{{2, 1.4}, 0.3}, 0, 3, 30), 0.2, {}), "pad-8");
+  EXPECT_GT(tilted.error.value().expected.Q, 0);  // Q is 0.8 % of P there
+}
+
+// Neo-Hookean blocks of 19 x 19 x 4.5 mm, nu 0.48, bonded on both faces, by CalculiX: P is 8, 16 and 34 % above that of
+// linear rubber at 5, 10 and 20 % of the thickness; a ball of R 8 on 4 mm up to 30 % 1.3 %, one of R 20 on 1 mm 5.4 %
+// at 15 %. Each is covered, and no more than twice.
+TEST(PadStrain, CoversWhatNeoHookeanRubberAdds) {
+  const auto at = [](const fem::PadShape& shape, double H, double depth, double half) {
+    fem::PadSolution solution;
+    solution.cells = {.n = 12, .hx = half / 6, .hy = half / 6};
+    solution.steps.resize(1), solution.steps[0].indentation = depth;
+    return strain_error(scene_of(H, 0.48, 0.5, turned(shape, 0), depth, {}), solution);
+  };
+  const auto covers = [](double said, double made) { return said >= 0.93 * made && said <= 2 * made; };
+  for (const auto& [share, made] : {std::pair{0.05, 0.08}, {0.1, 0.16}, {0.2, 0.34}})
+    EXPECT_PRED2(covers, at(fem::Box{{10, 10}, 0}, 4.5, share * 4.5, 9.5), made) << share;
+  EXPECT_PRED2(covers, at(fem::Sphere{8}, 4, 1.2, 4.4), 0.013);
+  EXPECT_PRED2(covers, at(fem::Sphere{20}, 1, 0.15, 2.45), 0.054);
+}
+
+TEST(PadStrain, IsStatedAndWarnedOf) {
+  const auto of = [](double depth) {
+    return by_twin(scene_of(2, 0.45, 0.5, turned(fem::Box{{2, 1.4}, 0}, 0), depth, {}), "pad-12");
+  };
+  const PadOutcome shallow = of(0.1), deep = of(0.2);
+  EXPECT_THAT(warnings(shallow), IsEmpty());
+  EXPECT_THAT(warnings(deep), testing::ElementsAre(testing::AllOf(HasSubstr("0.2 mm deep, 10 % of the thickness"),
+                                                                  HasSubstr("16 % stiffer"))));
+  EXPECT_NEAR(deep.error.value().strain, 0.16, 1e-9);
+  EXPECT_GT(deep.error->expected.P, 0.16);
+  EXPECT_GT(deep.error->expected.sigma, 0.16);
+  EXPECT_EQ(to_json(deep)["discretisation_error"]["strain"], deep.error->strain);
+  fem::PadScene pushed = deep.scene;
+  pushed.load = {.indentation = {}, .normal_force = {deep.solution.steps[0].P}};
+  const PadOutcome by_force = by_twin(pushed, "pad-12");  // its P is as asked for, too deep by linear rubber
+  EXPECT_EQ(by_force.error.value().strain, 0);
+  EXPECT_THAT(warnings(by_force), testing::ElementsAre(HasSubstr("stiffer")));
 }
 
 TEST(PadJudge, JsonAndTableHaveAllErrors) {
@@ -170,18 +239,26 @@ TEST(PadJudge, JsonAndTableHaveAllErrors) {
       HasSubstr(fmt::format("error in S to expect: {:.2g} (beside 24 x 24 cells)\n  P {:.2g} %, ", e.S, 100 * e.P)));
 }
 
-// The class of height maps has less error than these ridges at 8 and 12 cells, which say so themselves.
+// A gentle drag: pad-8 keeps 0.02, as a second solution on 16 x 16 cells says. The difference from pad-24 shows it.
+TEST(PadJudgeOnDevice, AnAccuracyTakesTheCheapestRungBesideACheapSolution) {
+  const fem::PadScene scene = scene_of(2, 0.45, 0.5, turned(fem::Cone{80}, 0), 0.1, {{0.02, 0.01, 0}, {0.04, 0.02, 0}});
+  SolveOptions options;
+  options.accuracy = 0.02;
+  const PadOutcome outcome = solve(scene, options);
+  EXPECT_EQ(outcome.rung.name, "pad-8");
+  EXPECT_EQ(outcome.error.value().from, "16 x 16 cells");
+  EXPECT_LE(fem::pad_difference(outcome.solution, by_twin(scene, "pad-24").solution).S, 0.02);
+}
+
+// Ridges that pad-8 does not resolve, and says so.
 TEST(PadJudgeOnDevice, AnAccuracyGoesOnToTheNextRung) {
   const fem::PadScene scene = judged_scenes()[4].scene;
-  const double asked = class_errors(pad_rungs()[0], scene).most95.S;
-  const double here = by_twin(scene, "pad-8").error.value().expected.S;
-  ASSERT_GT(here, asked);
   SolveOptions options;
-  options.accuracy = asked;
+  options.accuracy = 0.8 * by_twin(scene, "pad-8").error.value().expected.S;
   const PadOutcome outcome = solve(scene, options);
   EXPECT_NE(outcome.rung.name, "pad-8");
   EXPECT_TRUE(outcome.kept());
-  EXPECT_LE(outcome.error.value().expected.S, asked);
+  EXPECT_LE(outcome.error.value().expected.S, *options.accuracy);
 }
 
 // What would take long is not solved twice: the class of the scene tells its errors.
@@ -190,7 +267,7 @@ TEST(PadJudge, LongPathsHaveTheErrorsOfTheirClass) {
   for (int k = 1; k <= 100; ++k) scene.load.drags.push_back({0.001 * k, 0, 0});
   const PadOutcome outcome = by_twin(scene, "pad-8");
   EXPECT_EQ(outcome.error.value().scenes, "smooth");
-  EXPECT_EQ(outcome.error.value().expected.P, class_errors(outcome.rung, scene).most95.P);
+  EXPECT_EQ(outcome.error.value().expected.P, class_errors(outcome.rung, scene).most95.P + outcome.error->strain);
   EXPECT_THAT(answer_table(outcome), HasSubstr("(95 % of scenes, smooth)\n"));
 }
 

@@ -139,6 +139,17 @@ TEST(PadSolve, ATurnedSceneHasTheTurnedAnswer) {
   }
 }
 
+// A ball that slides as a whole: fp32 rounds its margin to 1.0000002.
+TEST(PadSolve, SIsOneAtMost) {
+  fem::PadScene scene;
+  scene.sensor = {.thickness = 4, .young = 1, .poisson = 0.45};
+  scene.indenter.shape = fem::Sphere{12};
+  scene.load = {.indentation = {0.32}, .drags = {{0.96, 0, 0}}};
+  const double S = solve(scene, {.rung = "pad-8", .precision = "fp32"}).solution.steps.back().slip_index.value();
+  EXPECT_LE(S, 1);
+  EXPECT_GT(S, 0.999);
+}
+
 // Mirrored at y = 0: rows are swept in another order, so that the answers differ by what the sweeps leave.
 TEST(PadSolve, AMirroredSceneHasTheMirroredAnswer) {
   fem::PadScene mirrored = dragged(1, -0.5, -30);
@@ -161,6 +172,7 @@ fem::PadScene box_at(double x, double yaw = 0) {
   scene.sensor = {.tactels = {4, 4}, .pitch = {2, 2}, .thickness = 2};
   scene.sensor.length = 20;
   scene.indenter = {.shape = fem::Box{{2, 2}, 0}, .position = {x, 0}, .yaw = yaw};
+  scene.load.indentation = {0.1};
   return scene;
 }
 constexpr double overhang = 0.15 * 4 / 11.7;
@@ -304,16 +316,13 @@ TEST(PadRungs, AreChosenByNameOrAccuracy) {
     EXPECT_EQ(outcome.rung.name, rung);
   }
   EXPECT_EQ(solve(scene, {.precision = "fp32"}).rung.name, "pad-12");
-  // The cheapest whose error of the class and of the scene itself are small enough.
-  for (const char* rung : {"pad-8", "pad-12"}) {
-    const double here = solve(scene, {.rung = rung}).error->expected.S;
-    const double error = std::max(here, class_errors(pad_rung_named(rung), scene).most95.S);
-    const PadOutcome enough = solve(scene, {.accuracy = error}), finer = solve(scene, {.accuracy = 0.99 * here});
-    EXPECT_LE(enough.solution.cells.n, pad_rung_named(rung).cells);
-    EXPECT_NE(finer.rung.name, rung);
-    EXPECT_LE(finer.error->expected.S, 0.99 * here);
-    EXPECT_TRUE(enough.kept() && finer.kept());
-  }
+  // The cheapest whose error is small enough: that of pad-8 is what an accuracy tells of it.
+  const double here = solve(scene, {.accuracy = 0.5}).error->expected.S;
+  const PadOutcome enough = solve(scene, {.accuracy = here}), finer = solve(scene, {.accuracy = 0.99 * here});
+  EXPECT_EQ(enough.rung.name, "pad-8");
+  EXPECT_NE(finer.rung.name, "pad-8");
+  EXPECT_LE(finer.error->expected.S, 0.99 * here);
+  EXPECT_TRUE(enough.kept() && finer.kept());
 }
 
 TEST(PadRungs, ClassesAndErrors) {

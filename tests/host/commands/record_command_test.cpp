@@ -3,6 +3,7 @@
 // tactel record as a user runs it, on a simulated sensor.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -82,6 +83,14 @@ TEST_F(Record, AnArrivalThatIsNoTimeIsNamedAndNotReadAsOne) {
   EXPECT_EQ(damaged.exit_code, 2) << damaged.err;
   EXPECT_THAT(damaged.err, HasSubstr("no time"));
   EXPECT_THAT(damaged.err + damaged.out, ::testing::Not(HasSubstr("nan,")));
+}
+
+// 0.5 s at 100 Hz, however long the reading takes.
+TEST_F(Record, CountsTheTimeOfASimulatedSensorItself) {
+  const std::string frames = (folder_ / "frames.csv").string();
+  ASSERT_EQ(record({"--output", recording_, "--frames", frames, "--seconds", "0.5"}).exit_code, 0);
+  const std::string table = text_of(frames);
+  EXPECT_EQ(std::ranges::count(table, '\n'), 1 + 50);
 }
 
 // Bytes without the sync of the simulation's frames, and no byte at all. Neither changes the exit code.

@@ -38,8 +38,9 @@ TEST(SolvePad, JsonHasTheDocumentedKeys) {
   EXPECT_THAT(keys(answer), UnorderedElementsAre("tactel", "scene", "solver", "precision", "device", "model", "rung",
                                                  "tactel_x", "tactel_y", "cell_x", "cell_y", "cell_width", "fallback",
                                                  "warnings", "steps", "discretisation_error"));
-  EXPECT_THAT(keys(answer["discretisation_error"]), UnorderedElementsAre("slip_index", "P", "Q", "M", "sigma_z", "tau",
-                                                                         "largest", "scenes", "outside", "from"));
+  EXPECT_THAT(keys(answer["discretisation_error"]),
+              UnorderedElementsAre("slip_index", "P", "Q", "M", "sigma_z", "tau", "largest", "strain", "scenes",
+                                   "outside", "from"));
   EXPECT_EQ(answer["scene"]["sensor"]["kind"], "pad");
   EXPECT_EQ(answer["scene"]["sensor"]["axes"], 3);  // a default
   EXPECT_EQ(answer["rung"], "pad-12");

@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "host/live/live_monitor.h"
 #include "host/scenes/scene_file.h"
@@ -57,6 +59,20 @@ TEST(SimulatedSensor, KnowsItsTrueS) {
       EXPECT_NEAR(opened.true_slip_index(at - 1000 / drags), demand / (steps[i].P + steps[i - 1].P), 1e-5);
     }
   }
+}
+
+// A reader that sleeps gets the frames of the sensor's own time, no more and no fewer: rate times seconds.
+TEST(SimulatedSensor, EndsByItsOwnTime) {
+  OpenSource opened = open_source("simulate:" + scene + "?rate=1000", "", "");
+  EXPECT_TRUE(opened.source->end_after(0.25));
+  hw::Decoder decoder(opened.profile.format());
+  while (!opened.source->finished()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    if (const auto packet = opened.source->wait(0)) decoder.feed(packet->bytes, [](const hw::DecodedFrame&) {});
+  }
+  EXPECT_EQ(decoder.counts().frames, 250u);
+  EXPECT_TRUE(opened.source->end_after(1e9));  // no longer than it was
+  EXPECT_TRUE(opened.source->finished());
 }
 
 TEST(SimulatedSensor, GainsSpreadAndNoiseAsAsked) {

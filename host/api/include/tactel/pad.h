@@ -120,6 +120,7 @@ struct PadStep {
 struct PadError {
   double S = 0;
   double largest = 0;                ///< of S: almost all scenes stay below it
+  double strain = 0;                 ///< the part of P and sigma that large strain adds, which the model leaves out
   std::string scenes;                ///< "this scene"; "smooth": the kind of scene, where this one was not solved twice
   std::vector<std::string> outside;  ///< what lies outside the scenes that were measured
   double P = 0, Q = 0, M = 0;        ///< over the largest P, and the larger of Q and M over half the contact's size
@@ -143,9 +144,8 @@ struct PadPath {
 };
 
 /// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or
-/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Pads with free sides are solved
-/// by the twin. Throws InputError, also for a contact nearer than its thickness to an edge of a pad whose sides are
-/// held, and HardwareError.
+/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Throws InputError, also for a
+/// contact nearer than its thickness to an edge of a pad whose sides are held, and HardwareError.
 TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
 
 /// As those of a line; the VTK file has the cells with their tractions, or, where its name ends in .vts, displacement
