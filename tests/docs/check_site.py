@@ -2,6 +2,7 @@
 """Checks the documentation site in a browser, from the file that scripts/site names: the search answers, texts can be
 read, no page is wider than a telephone, no code is cut, copy buttons copy commands, the reference of the headers has a start page; and
 its texts for language models: llms.txt and the pages as .md. Usage: check_site.py SITE"""
+import json
 import pathlib
 import re
 import sys
@@ -94,18 +95,20 @@ def check_texts(site, expect):
 
 
 def check_copy(browser, site, expect):
-    def copied(page, block):
+    def copied(page, block, text=None):
         browser.open(site / page, height=20_000)  # a block has its button once it is in sight
         button = f"[...document.querySelectorAll('.md-clipboard')].find(b => document.querySelector(b.dataset.clipboardTarget).innerText.startsWith({block!r}))"
         deadline = time.monotonic() + 30
         while not browser.run(f"{button} !== undefined") and time.monotonic() < deadline:
             time.sleep(0.1)
+        if text:
+            browser.run(f"document.querySelector({button}.dataset.clipboardTarget).innerText = {json.dumps(text)}")
         return (browser.run(f"(b => {{ b.click(); return b.dataset.clipboardText; }})({button})") or "").split("\n")
 
     lines = copied("networks.html", "$ build/tactel generate examples/paper")  # three commands, their output, and a fourth
     expect(len(lines) == 4 and all(line.startswith("build/tactel ") for line in lines), f"a button copies {lines}")
-    lines = copied("ros.html", "$ printf")  # one on two lines, and its output
-    expect(len(lines) == 2 and lines[0].startswith("printf") and lines[0].endswith("\\") and lines[1].endswith("}'"), f"a button copies {lines}")
+    lines = copied("ros.html", "$ printf", "$ printf '{a: 1,\\\n b: 2}'\na: 1")  # one on two lines, which no page has now, and its output
+    expect(lines == ["printf '{a: 1,\\", " b: 2}'"], f"a button copies {lines}")
 
 
 def main(site):
