@@ -9,6 +9,7 @@
 #include "fem/overloaded.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
+#include "fem/pad/side_kernel.h"
 #include "host/contact/pad_stream.h"
 
 namespace tactel::host {
@@ -22,6 +23,15 @@ constexpr double finer_tolerance = 1e-4;  ///< of its sweeps
 constexpr double order = 1.5, more = 1.2, by_increments = 2.5;
 /// Two answers may agree by chance; of pressure below a height map, whose sides cells meet or miss, more often.
 constexpr double least = 0.004, least_of_map = 0.2;  ///< this over the cells along a side
+
+/// With free sides cells converge at the first order, since tractions at a side are singular, and both solutions may
+/// miss this much more: of bricks at the sides, which they share at the base, and of edges on them.
+constexpr double side_order = 1;
+AnswerError least_beside_sides(const fem::PadScene& scene) {
+  const PadClass of = pad_class(scene);
+  const double P = of == PadClass::smooth || of == PadClass::height_map ? 0.01 : 0.015;
+  return {.S = 0.006, .P = P, .Q = 0.02, .M = 0.02, .sigma = 0.03, .tau = 0.04};
+}
 
 int finer_cells(const PadRung& rung) { return std::max(24, 4 * rung.cells / 3); }
 int finer_increments(int cells) { return cells / 3 * 2; }
@@ -114,14 +124,17 @@ std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::Pad
                       .from = fmt::format("{0} x {0} cells", other.cells.n),
                       .scenes = "this scene",
                       .outside = outside(measured_judge, scene_, deepest(answer))};
-  const double by_cells = more / (1 - std::pow(static_cast<double>(rung.cells) / other.cells.n, order));
+  const bool free = fem::has_free_sides(scene_.sensor);
+  const double ratio = static_cast<double>(rung.cells) / other.cells.n,
+               by_cells = more / (1 - std::pow(ratio, free ? side_order : order));
+  const AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};
   const bool map = std::holds_alternative<fem::HeightMap>(scene_.indenter.shape);
   for (const auto member : fem::pad_error_members) {
     double& e = error.expected.*member;
     if (!std::isfinite(e)) return {};
     if (e == 0) continue;  // without friction
     const bool of_pressure = member == &AnswerError::P || member == &AnswerError::sigma;
-    e = least + e * (of_pressure ? by_cells : std::max(by_cells, by_increments));
+    e = least + beside_sides.*member + e * (of_pressure ? by_cells : std::max(by_cells, by_increments));
     if (of_pressure && map) e += least_of_map / rung.cells;
   }
   error.expected.S = std::min(1.0, error.expected.S);
