@@ -9,6 +9,7 @@
 #include <fstream>
 #include <optional>
 #include <random>
+#include <vector>
 
 namespace tactel::fem {
 namespace {
@@ -81,7 +82,36 @@ void store(const fs::path& path, const std::string& bytes) {
   if (error) fs::remove(temporary, error);
 }
 
+/// Whether a name is that of a file of the cache: NAME-HASH.KIND.
+bool named_as_cached(const fs::path& path) {
+  constexpr std::size_t digits = 16;
+  const std::string stem = path.stem().string();
+  return path.has_extension() && stem.size() > digits && stem[stem.size() - digits - 1] == '-' &&
+         stem.find_first_not_of("0123456789abcdef", stem.size() - digits) == std::string::npos;
+}
+
 }  // namespace
+
+void bound_cache(const fs::path& directory, std::uintmax_t most) {
+  struct File {
+    fs::file_time_type used;
+    std::uintmax_t size;
+    fs::path path;
+  };
+  std::vector<File> files;
+  std::uintmax_t all = 0;
+  std::error_code error;  // files may vanish meanwhile, by another process
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+    if (!named_as_cached(entry.path()) || !entry.is_regular_file(error)) continue;
+    const std::uintmax_t size = entry.file_size(error);
+    if (error) continue;
+    files.push_back({entry.last_write_time(error), size, entry.path()});
+    all += size;
+  }
+  std::ranges::sort(files, {}, &File::used);
+  for (auto file = files.begin(); file != files.end() && all > most; ++file)
+    if (fs::remove(file->path, error)) all -= file->size;
+}
 
 CacheFile cache_file(const fs::path& directory, const std::string& name, const std::string& kind, std::string key) {
   if (directory.empty()) return {{}, std::move(key)};
@@ -107,6 +137,8 @@ bool read_arrays(const CacheFile& file, std::span<const std::span<double>> array
     from += array.size_bytes();
     if (!std::ranges::all_of(array, [](double number) { return std::isfinite(number); })) return false;
   }
+  std::error_code error;
+  fs::last_write_time(file.path, fs::file_time_type::clock::now(), error);  // used, so that bound_cache keeps it
   return true;
 }
 
@@ -116,6 +148,7 @@ void write_arrays(const CacheFile& file, std::span<const std::span<const double>
   for (const auto& array : arrays) bytes.append(reinterpret_cast<const char*>(array.data()), array.size_bytes());
   append(bytes, checksum(bytes));
   store(file.path, bytes);
+  bound_cache(file.path.parent_path());
 }
 
 }  // namespace tactel::fem

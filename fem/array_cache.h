@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -24,7 +25,11 @@ CacheFile cache_file(const std::filesystem::path& directory, const std::string& 
 /// hold anything.
 bool read_arrays(const CacheFile& file, std::span<const std::span<double>> arrays);
 
-/// Writes the arrays and makes the folder. Failure leaves no trace: the next run computes them again.
+/// What the files of this cache in a folder may take together: those not read for longest are removed.
+inline constexpr std::uintmax_t most_cached = std::uintmax_t{1} << 30;
+void bound_cache(const std::filesystem::path& directory, std::uintmax_t most = most_cached);
+
+/// Writes the arrays, makes the folder and bounds it. Failure leaves no trace: the next run computes them again.
 void write_arrays(const CacheFile& file, std::span<const std::span<const double>> arrays);
 
 }  // namespace tactel::fem

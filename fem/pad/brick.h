@@ -13,6 +13,8 @@ using BrickMatrix = Eigen::Matrix<double, 24, 24>;
 /// J. R. Rice, Comput. Methods Appl. Mech. Eng. 4, 1974, 153-177). 0 <= poisson < 1/2.
 BrickMatrix brick_stiffness(double hx, double hy, double hz, double poisson);
 
+inline constexpr double most_poisson_of_bricks = 0.49999;  ///< those of nu = 1/2 are 0.1 % stiffer
+
 /// Bricks under square or rectangular cells of a surface, and in layers below it. Lengths in one unit.
 struct BrickMesh {
   int nx = 12, ny = 12;        ///< cells along x and y, even

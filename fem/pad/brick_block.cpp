@@ -3,8 +3,9 @@
 
 #include <Eigen/Sparse>
 #include <array>
-#include <utility>
 #include <vector>
+
+#include "fem/pad/parity.h"
 
 namespace tactel::fem {
 namespace {
@@ -12,14 +13,6 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 using Blocks = std::array<std::array<Sparse, 2>, 2>;  ///< [plane][plane] of a slab
-
-/// A parity: +1 where displacements are mirror images about the plane, -1 where their negatives are.
-struct Parity {
-  int x, y;
-  /// What a component is multiplied by where it is mirrored in x, or in y.
-  int in_x(int component) const { return component == 0 ? -x : x; }
-  int in_y(int component) const { return component == 1 ? -y : y; }
-};
 
 /// A quarter of the block under one parity.
 class Quarter {
@@ -34,8 +27,8 @@ class Quarter {
     assemble(poisson);
   }
 
-  /// [3 cells][3 sources] mean displacements of the quarter's cells, and [3 nodes][3 sources] forces on its base.
-  std::pair<Eigen::MatrixXd, Eigen::MatrixXd> solve() const;
+  /// [3 cells][3 sources]: mean displacements of the quarter's cells.
+  Eigen::MatrixXd solve() const;
 
  private:
   void number();
@@ -54,7 +47,6 @@ class Quarter {
   std::vector<int> middle_;    ///< unknowns of the plane x = 0 that parity holds
   int size_ = 0;               ///< unknowns of a plane
   Blocks slab_;                ///< between unknowns
-  Blocks base_;                ///< [3 across][unknowns]: force of a slab on the base's nodes of its planes, negative
 };
 
 void Quarter::number() {
@@ -70,7 +62,7 @@ void Quarter::number() {
 }
 
 void Quarter::assemble(double poisson) {
-  std::array<std::array<Triplets, 2>, 2> slab, base;
+  std::array<std::array<Triplets, 2>, 2> slab;
   for (int k = 0; k < mesh_.layers(); ++k) {
     const BrickMatrix brick = brick_stiffness(mesh_.dx(), mesh_.dy(), mesh_.levels[k + 1] - mesh_.levels[k], poisson);
     for (int j = 0; j + 1 < across_; ++j)
@@ -78,20 +70,16 @@ void Quarter::assemble(double poisson) {
         for (int column = 0; column < 24; ++column) {
           const auto [rx, ry, rz, rc] = std::array{row / 12, row / 6 % 2, row / 3 % 2, row % 3};
           const auto [cx, cy, cz, cc] = std::array{column / 12, column / 6 % 2, column / 3 % 2, column % 3};
-          if (k + cz == 0) continue;
+          if (k + cz == 0 || k + rz == 0) continue;
           const int to = unknowns_[at(j + cy, k + cz, cc)];
-          if (to < 0) continue;
-          if (k + rz == 0)
-            base[rx][cx].emplace_back(3 * (j + ry) + rc, to, brick(row, column));
-          else if (const int from = unknowns_[at(j + ry, k + rz, rc)]; from >= 0)
-            slab[rx][cx].emplace_back(from, to, brick(row, column));
+          const int from = unknowns_[at(j + ry, k + rz, rc)];
+          if (from >= 0 && to >= 0) slab[rx][cx].emplace_back(from, to, brick(row, column));
         }
   }
   for (const int a : {0, 1})
     for (const int b : {0, 1}) {
-      slab_[a][b].resize(size_, size_), base_[a][b].resize(3 * across_, size_);
+      slab_[a][b].resize(size_, size_);
       slab_[a][b].setFromTriplets(slab[a][b].begin(), slab[a][b].end());
-      base_[a][b].setFromTriplets(base[a][b].begin(), base[a][b].end());
     }
 }
 
@@ -127,7 +115,7 @@ Eigen::MatrixXd Quarter::loads(int plane) const {
   return f;
 }
 
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> Quarter::solve() const {
+Eigen::MatrixXd Quarter::solve() const {
   const int last = planes_ - 1, sources = 3 * cells_[0] * cells_[1];
   // Forward: S_k = K_kk - L S_(k-1)^-1 L', the inverses and S_k^-1 f_k are kept. Parity holds rows and columns of the
   // first plane, whose inverse therefore has none of them but ones on the diagonal, which L must not see.
@@ -150,10 +138,8 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> Quarter::solve() const {
       for (const int i : middle_) inverse[k](i, i) = 0;
     solved[k] = inverse[k] * f;
   }
-  // Back, with means over cells and forces on the base.
-  Eigen::MatrixXd surface = Eigen::MatrixXd::Zero(sources, sources),
-                  base = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * planes_ * across_, sources);
-  Eigen::MatrixXd u;
+  // Back, with means over cells.
+  Eigen::MatrixXd surface = Eigen::MatrixXd::Zero(sources, sources), u;
   for (int k = last; k >= 0; --k) {
     Eigen::MatrixXd now =
         k == last ? Eigen::MatrixXd(Eigen::MatrixXd::Zero(size_, sources)) : Eigen::MatrixXd(-(inverse[k] * (up * u)));
@@ -168,60 +154,32 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> Quarter::solve() const {
             if (const int from = unknowns_[at(node, mesh_.layers(), c)]; from >= 0)
               surface.row(3 * (i * cells_[1] + j) + c) += along_x * weight(node, j) * u.row(from);
     }
-    const int rows = 3 * across_;
-    if (k < last)
-      base.middleRows(k * rows, rows) -= base_[0][0] * u, base.middleRows((k + 1) * rows, rows) -= base_[1][0] * u;
-    if (k > 0)
-      base.middleRows(k * rows, rows) -= base_[1][1] * u, base.middleRows((k - 1) * rows, rows) -= base_[0][1] * u;
   }
-  return {surface, base};
+  return surface;
 }
 
 /// Swaps x and y: rows and columns of [3 (i n + j) + component], i and j up to n.
-Eigen::MatrixXd transposed(const Eigen::MatrixXd& m, int n_rows, int n_columns) {
-  const auto swapped = [](int n) {
-    Eigen::VectorXi to(3 * n * n);
-    constexpr std::array other{1, 0, 2};
-    for (int k = 0; k < to.size(); ++k) to[k] = 3 * (k / 3 % n * n + k / 3 / n) + other[k % 3];
-    return to;
-  };
-  return m(swapped(n_rows), swapped(n_columns));
-}
-
-/// Adds what a quarter says of the whole to `to`: `count` places along x and y from the middle outwards, which the
-/// whole has from one side to the other; `shared`: the first place of a quarter is in both halves.
-void unfold(const Eigen::MatrixXd& quarter, Parity parity, std::array<int, 2> count, bool shared, Eigen::MatrixXd& to) {
-  const int whole_y = 2 * count[1] - shared;
-  for (const int sx : {0, 1})
-    for (const int sy : {0, 1})
-      for (int i = 0; i < count[0]; ++i)
-        for (int j = 0; j < count[1]; ++j)
-          for (int c = 0; c < 3; ++c) {
-            const int x = sx ? count[0] - 1 - i : count[0] - shared + i;
-            const int y = sy ? count[1] - 1 - j : count[1] - shared + j;
-            const double sign = (sx ? parity.in_x(c) : 1) * (sy ? parity.in_y(c) : 1) / 4.0;
-            to.row(3 * (x * whole_y + y) + c) += sign * quarter.row(3 * (i * count[1] + j) + c);
-          }
+Eigen::MatrixXd transposed(const Eigen::MatrixXd& m, int n) {
+  Eigen::VectorXi to(3 * n * n);
+  constexpr std::array other{1, 0, 2};
+  for (int k = 0; k < to.size(); ++k) to[k] = 3 * (k / 3 % n * n + k / 3 / n) + other[k % 3];
+  return m(to, to);
 }
 
 }  // namespace
 
-BrickResponse brick_block(const BrickMesh& mesh, double poisson) {
+Eigen::MatrixXd brick_block(const BrickMesh& mesh, double poisson) {
   const std::array<int, 2> cells{mesh.nx / 2, mesh.ny / 2};
-  const std::array<int, 2> nodes{cells[0] * mesh.along + 1, cells[1] * mesh.along + 1};
-  const int sources = 3 * cells[0] * cells[1];
-  BrickResponse whole{
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * mesh.nx * mesh.ny, sources),
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * (2 * nodes[0] - 1) * (2 * nodes[1] - 1), sources)};
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * mesh.nx * mesh.ny,
+                                                static_cast<Eigen::Index>(3) * cells[0] * cells[1]);
   const bool square = mesh.nx == mesh.ny && mesh.hx == mesh.hy;
-  std::pair<Eigen::MatrixXd, Eigen::MatrixXd> now;
+  Eigen::MatrixXd now;
   for (const Parity parity : {Parity{1, 1}, Parity{1, -1}, Parity{-1, 1}, Parity{-1, -1}}) {
     if (square && parity.x < parity.y)  // the one before, mirrored
-      now = {transposed(now.first, cells[0], cells[0]), transposed(now.second, nodes[0], cells[0])};
+      now = transposed(now, cells[0]);
     else
       now = Quarter(mesh, poisson, parity).solve();
-    unfold(now.first, parity, cells, false, whole.surface);
-    unfold(now.second, parity, nodes, true, whole.base);
+    unfold(now, parity, cells, whole);
   }
   return whole;
 }

@@ -205,6 +205,10 @@ void validate(const PadSensor& sensor) {
   };
   check_side("sensor.length", sensor.length, 0);
   check_side("sensor.width", sensor.width, 1);
+  constexpr double tallest = 4;
+  if (sensor.sides == Sides::free && sensor.length && sensor.width)
+    check(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,
+          "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
 }
 
 void PadIndenter::validate() const {

@@ -106,10 +106,10 @@ Interval clipped(const Interval& a, const Interval& b) {
   return {std::max(a.left, b.left), std::min(a.right, b.right)};
 }
 
-/// The part of an interval that lies on the rubber; one of its ends, some cells wide, where none does.
+/// The part of an interval that lies on the rubber; one of its ends, some cells wide, where little or none does.
 Interval on_rubber(const Interval& a, const Interval& rubber, double least) {
   const Interval part = clipped(a, rubber);
-  if (part.right - part.left >= least) return part;
+  if (part.right - part.left >= std::min(least, a.right - a.left)) return part;
   const double middle = std::clamp((a.left + a.right) / 2, rubber.left + least / 2, rubber.right - least / 2);
   return {middle - least / 2, middle + least / 2};
 }

@@ -405,15 +405,15 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
   const auto on_pad_at = [&](double x, double y) -> Eigen::Vector2d {
     return sides.in_block(turn * Eigen::Vector2d(x, y) + position(scene.indenter));
   };
-  std::vector<SideKernel::Shares> shares;
+  std::vector<SideGrid::Shares> shares;
   for (int i = 0; i < cells.count(); ++i) {
     const Eigen::Vector2d at = on_pad_at(cells.x(i / cells.ny()), cells.y(i % cells.ny()));
-    shares.push_back(sides.kernel->shares(at[0], at[1]));
+    shares.push_back(sides.base->grid().shares(at[0], at[1]));
   }
   const double H = sides.thickness, scale = cells.area() / (H * H);
   return stress_rows(scene, cells, [&](const Eigen::Vector2d& own, double weight, std::vector<PadBaseStress>& sums) {
     const Eigen::Vector2d at = on_pad_at(own[0], own[1]);
-    const Eigen::MatrixXd side = sides.kernel->base_stress(at[0], at[1]);
+    const Eigen::MatrixXd side = sides.base->stress(at[0], at[1]);
     for (int i = 0; i < cells.count(); ++i) {
       PadBaseStress more = PadBaseStress::Zero();
       for (int k = 0; k < shares[i].count; ++k) more += shares[i].share[k] * side.middleCols<3>(3 * shares[i].node[k]);

@@ -7,6 +7,8 @@
 
 #include "fem/condensation.h"
 #include "fem/pad/pad_scene.h"
+#include "fem/pad/side_base.h"
+#include "fem/pad/side_grid.h"
 
 namespace tactel::fem {
 
@@ -22,8 +24,8 @@ struct SideMesh {
   std::array<int, 2> cells{12, 12};  ///< along x and y, even
   int along = 2;                     ///< bricks along a side of a cell
   int layers = 6;
-  double growth = 1.15;  ///< of the layers, from the surface down
-  int period = 128;      ///< bricks, of the endless layer
+  double growth = 1.15;                 ///< of the layers, from the surface down
+  std::array<int, 2> period{128, 128};  ///< bricks along x and y, of the endless layer
 };
 
 /// Bricks of a block: the usual ones, more cells to judge them by, and more of all for references.
@@ -40,17 +42,14 @@ class SideKernel {
   SideKernel(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh,
              const std::filesystem::path& cache_directory = default_cache_directory());
 
+  /// Returns how many floating-point operations it takes to make one; 0 where a file of the cache holds it.
+  static double work(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh);
+
   const std::array<double, 2>& sides() const { return sides_; }
   const SideMesh& mesh() const { return mesh_; }
 
-  /// Nodes of the grid with their weights, at a place: x, y from the block's middle; cubic in each direction. None
-  /// beyond the block.
-  struct Shares {
-    std::array<int, 16> node;  ///< [i cells[1] + j]
-    std::array<double, 16> share;
-    int count = 0;
-  };
-  Shares shares(double x, double y) const;
+  using Shares = SideGrid::Shares;
+  Shares shares(double x, double y) const { return SideGrid{sides_, mesh_.cells}.shares(x, y); }
 
   /// Displacement of the surface by a unit force on it, between nodes: [3 nodes][3 nodes], x, y, z of each.
   const Eigen::MatrixXd& displacement() const { return displacement_; }
@@ -58,32 +57,32 @@ class SideKernel {
   /// zz of it alone, [nodes][nodes].
   const Eigen::MatrixXd& normal_displacement() const { return normal_; }
 
-  /// Stress on the base at a place, rows sigma_z, tau_x, tau_y, by unit forces on the nodes: [3][3 nodes].
-  Eigen::MatrixXd base_stress(double x, double y) const;
-
  private:
   int nodes() const { return mesh_.cells[0] * mesh_.cells[1]; }
   int quarter() const { return nodes() / 4; }
-  std::array<int, 2> base_nodes() const { return {mesh_.cells[0] * mesh_.along + 1, mesh_.cells[1] * mesh_.along + 1}; }
   void make(double poisson);
   void unfold();
 
   std::array<double, 2> sides_;
   SideMesh mesh_;
   Eigen::MatrixXd quarter_;  ///< [3 nodes][3 nodes of the quarter x > 0, y > 0]: columns of displacement_
-  Eigen::MatrixXd base_;     ///< [3 base nodes][3 nodes of the quarter]: tau_x, tau_y, sigma_z
   Eigen::MatrixXd displacement_, normal_;
 };
 
 /// Whether the sides of a pad are free in its model.
 bool has_free_sides(const PadSensor& sensor);
 
+/// Returns about how long the tables of a pad's free sides take to make, s on one core: of usual bricks, of others to
+/// judge by, and of the base. Those that files of the cache hold take none.
+double seconds_for_sides(const PadSensor& sensor, SideBricks judge);
+
 /// The free sides of a pad, where a contact on it lies. Of pads longer than longest_block H the contact sees a block of
 /// that length, flush with the nearer side.
 struct PadSides {
-  std::shared_ptr<const SideKernel> kernel;
-  double thickness = 1;          ///< mm
-  Eigen::Vector2d middle{0, 0};  ///< mm on the pad: the block's
+  std::shared_ptr<const SideKernel> kernel{};
+  std::shared_ptr<const SideBase> base{};  ///< of the cells of a kernel of usual bricks
+  double thickness = 1;                    ///< mm
+  Eigen::Vector2d middle{0, 0};            ///< mm on the pad: the block's
 
   Eigen::Vector2d in_block(const Eigen::Vector2d& place) const { return (place - middle) / thickness; }
 };

@@ -114,6 +114,13 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
   return solved;
 }
 
+/// " (tables of its free sides first: about 3 s)" where that takes a second or more.
+std::string first_tables(const fem::PadSensor& sensor) {
+  if (!fem::has_free_sides(sensor)) return "";
+  const double seconds = fem::seconds_for_sides(sensor, fem::SideBricks::finer);
+  return seconds < 1 ? "" : fmt::format(" (tables of its free sides first: about {})", duration_text(seconds));
+}
+
 /// Errors that the answer alone shows get the line of the scene's file.
 PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) try {
   if (!request.field.empty()) check_writable("--field", request.field);
@@ -122,7 +129,7 @@ PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) t
                       "a .vtu, of cells: the field in the rubber is that of a pad with held sides");
   if (request.derivatives)
     throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
-  const StageLine stage("solving " + request.scene, request.shared.quiet);
+  const StageLine stage("solving " + request.scene + first_tables(scene.sensor), request.shared.quiet);
   return solve(scene, request.shared.solve);
 } catch (const ValueError& error) {
   throw TomlFile(request.scene).error(error);

@@ -61,7 +61,7 @@ std::shared_ptr<const std::vector<Real>> PadSideTables<Real>::response(const fem
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, rows);
     for (Eigen::Index p = 0; p < parts; ++p) {
       const Eigen::Vector2d at = sides.in_block(points.places.row(tactel * parts + p).transpose());
-      sum += points.weights[static_cast<std::size_t>(p)] * sides.kernel->base_stress(at[0], at[1]);
+      sum += points.weights[static_cast<std::size_t>(p)] * sides.base->stress(at[0], at[1]);
     }
     for (Eigen::Index m = 0; m < rows; ++m)
       for (Eigen::Index r = 0; r < 3; ++r)
