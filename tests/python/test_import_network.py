@@ -63,7 +63,7 @@ class Graph:
         return self.add("Reshape", self.value, self.constant(np.array(extents, np.int64)))
 
     def finished(self):
-        shapes = {name: helper.make_tensor_value_info(name, 1, extents) for name, extents in [("frame", [self.batch, self.inputs]), (self.value, None)]}
+        shapes = {name: helper.make_tensor_value_info(name, 1, extents) for name, extents in [("frame", [self.batch, self.inputs]), (self.value, [None, None])]}
         graph = helper.make_graph(self.nodes, "own", [shapes["frame"]], [shapes[self.value]], self.constants)
         return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
 
@@ -169,18 +169,15 @@ class ImportNetwork(unittest.TestCase):
 
     def test_numbers_in_a_file_beside_it(self):
         model = end(Graph(4).dense(3).add("Tanh")).finished()
-        onnx.save(model, self.path, save_as_external_data=True, location="own.data", size_threshold=0)
         frames = np.eye(4, dtype=np.float32)
         expected = np.ravel(ReferenceEvaluator(model).run(None, {"frame": frames})[0])
+        onnx.save(model, self.path, save_as_external_data=True, location="own.data", size_threshold=0)
         np.testing.assert_allclose(own.network(self.path, axes=1)(frames), expected, atol=2e-6)
         (self.folder / "own.data").unlink()
         with self.assertRaisesRegex(InputError, "external_data=False"):
             own.network(self.path, axes=1)
-        secret = model.graph.initializer[0]
-        secret.ClearField("raw_data")
-        secret.data_location = onnx.TensorProto.EXTERNAL
-        entry = secret.external_data.add()
-        entry.key, entry.value = "location", "../../etc/passwd"
+        place, = [entry for entry in model.graph.initializer[0].external_data if entry.key == "location"]
+        place.value = "../../etc/passwd"
         self.path.write_bytes(model.SerializeToString())
         with self.assertRaises(InputError):
             own.network(self.path, axes=1)
