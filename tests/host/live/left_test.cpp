@@ -203,6 +203,7 @@ TEST(Left, AHandThatOpensIsReleased) {
     const AlarmAnswer said = alarm.next(with(0, std::max(0.0f, 1 - static_cast<float>(i) / 18)));
     EXPECT_FALSE(said.on) << i;
     released |= said.released;
+    EXPECT_TRUE(i < 8 || i >= 18 || said.released) << i << ": 0.61 of P, 0.69 of that a twelfth of a second ago";
     if (i < 18) continue;
     EXPECT_EQ(said.contact, false);
     EXPECT_TRUE(i < 21 || (said.released && said.rest == false)) << i;
