@@ -21,7 +21,7 @@ constexpr double window = 1.0 / 3;     // s, before the first rest
 constexpr double left_out = 0.01;      // of the frames of a hold of 4 s and more
 constexpr double mixed = 0.9;          // of the off-diagonal numbers of H
 constexpr double least_square = 1e-7;  // of a moment: noise of a calm pad is 0.1 % of P
-constexpr double hold_margin = 2.2, hold_margin_seconds = 2;
+constexpr double hold_margin = 1.4, hold_margin_seconds = 6.5, most_margin = 4.5;  // of D: short holds show less
 constexpr double much_left = 1, most_left = 2.4;  // of the score: people that hold 1.35, swings above 2.5
 constexpr double least_slide = 0.2;               // s
 constexpr double upper = 0.98, near_upper = 0.85, least_rise = 1.1;
@@ -145,7 +145,7 @@ HoldReport HoldLearner::learn() const {
         fmt::format("--hold: {:.2g} s of a grip at rest; record a grip that holds still for {:g} s or "
                     "more",
                     seconds_, least_seconds));
-  hold = {covariance(), 0, seconds_, rate_, hold_margin + hold_margin_seconds / seconds_};
+  hold = {covariance(), 0, seconds_, rate_, std::min(hold_margin + hold_margin_seconds / seconds_, most_margin)};
   report.largest = largest(hold.covariance);
   if (!(report.largest > 0)) throw hw::SourceError("--hold: nothing trembles in it; record the sensor itself");
   hold.at = hold.margin * report.largest;

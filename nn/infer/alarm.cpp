@@ -17,7 +17,7 @@ constexpr float release = 0.05f;      // of S, below `at`
 constexpr double usual_touch = 1e-3;  // MPa, without a network
 constexpr std::size_t most_axes = 3;  // of a tactel
 constexpr double most_friction = 1e3, most_rate = 1e6;
-constexpr float full_index = 0.75f;  // of a slide: from here on `left` counts in full
+constexpr float full_index = 0.6f;  // of a slide: from here on `left` counts in full
 constexpr float least_share = 0.1f, most_share = 2;
 constexpr float largest_share = 0.35f;  // of the scores of several pads
 
@@ -97,7 +97,7 @@ AlarmOptions checked(std::size_t tactels, std::size_t axes, AlarmOptions options
 void take_index(AlarmAnswer& given) noexcept {
   if (std::isnan(given.index)) return;
   const float share = given.index / full_index, clipped = std::clamp(share, least_share, most_share);
-  given.left = std::isnan(given.left) ? share : given.left * clipped * clipped;
+  given.left = std::isnan(given.left) ? share : given.left * clipped * clipped * clipped;
 }
 
 }  // namespace

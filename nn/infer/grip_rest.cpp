@@ -11,7 +11,8 @@ namespace {
 constexpr double window = 1.0 / 3, finest = 60;                        // s; Hz, of bins
 constexpr std::size_t fewest_bins = 10;                                // fewer show one swing of a tremor
 constexpr double calmer = 3, always_still = 0.024, never_still = 0.2;  // of the least e
-constexpr double opening = 0.5, opened = 0.1, closed = 2;              // of P a window ago; at rest; the least since
+constexpr double opening = 0.5, fast_opening = 0.75;                   // of P a window ago; a quarter of it ago
+constexpr double opened = 0.1, closed = 2;                             // of P at rest; of the least since
 constexpr double tremor_time = 0.55;                                   // s
 constexpr int released_frames = 3;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -54,8 +55,9 @@ void GripRest::next(std::span<const float> frame, bool touches) noexcept {
     if (force <= closed * std::max(floor_, 0.0)) return;
     open_ = false;
   }
-  const double before = bins_ >= wanted_ ? forces_[(bins_ - wanted_) % most_bins] : 0;
-  opens_ = before > 0 && force < opening * before;
+  const auto before = [&](std::size_t bins) { return bins_ >= wanted_ ? forces_[(bins_ - bins) % most_bins] : 0.0; };
+  const double least = std::max(opening * before(wanted_), fast_opening * before(wanted_ / 4));
+  opens_ = least > 0 && force < least;
   if (frames_ == 0) std::ranges::fill(sum_, 0.0);
   for (std::size_t k = 0; k < inputs_; ++k) sum_[k] += frame[k];
   if (++frames_ == stride_) close_bin(force);

@@ -13,8 +13,9 @@ namespace tactel::infer {
 /// is still where e is at most three times the least e since touch-down, or 0.024 where that is less, but never above
 /// 0.2: a robot's pads show 0.004, a hand's 0.016 to 0.07. Each such time is the new rest, whatever P, the sum of the
 /// normal stresses, does; it stays while the hand moves. The hand opens while P is below half of that a third of a
-/// second ago. The rest is forgotten after three frames without contact, and where P falls below a tenth of that at
-/// rest: what touches then is the memory of the rubber, until P has doubled again.
+/// second ago, or three quarters of that a twelfth ago. The rest is forgotten after three frames without contact, and
+/// where P falls below a tenth of that at rest: what touches then is the memory of the rubber, until P has doubled
+/// again.
 class GripRest {
  public:
   /// inputs: numbers of a frame, of which the first `normals` are normal stresses, compression below 0. hz: of frames;

@@ -203,6 +203,7 @@ TEST(Left, AHandThatOpensIsReleased) {
     const AlarmAnswer said = alarm.next(with(0, std::max(0.0f, 1 - static_cast<float>(i) / 18)));
     EXPECT_FALSE(said.on) << i;
     released |= said.released;
+    EXPECT_TRUE(i < 8 || i >= 18 || said.released) << i << ": 0.61 of P, 0.69 of that a twelfth of a second ago";
     if (i < 18) continue;
     EXPECT_EQ(said.contact, false);
     EXPECT_TRUE(i < 21 || (said.released && said.rest == false)) << i;
@@ -261,11 +262,11 @@ TEST(Left, ARememberedSlide) {
   AlarmAnswer said = told.next(held);
   EXPECT_EQ(said.rest, false);
   EXPECT_NEAR(said.index, q / 0.4, 1e-5);
-  EXPECT_NEAR(said.left, q / 0.4 / 0.75, 1e-5) << "before there is a rest the index alone";
+  EXPECT_NEAR(said.left, q / 0.4 / 0.6, 1e-5) << "before there is a rest the index alone";
   EXPECT_FALSE(said.cannot_tell);
   AlarmAnswer plain;
   for (int i = 0; i < 43; ++i) said = told.next(with(i < 40 ? 0 : 0.5f)), plain = without.next(with(i < 40 ? 0 : 0.5f));
-  EXPECT_NEAR(said.left, plain.left * std::pow(said.index / 0.75, 2), 1e-5);
+  EXPECT_NEAR(said.left, plain.left * std::pow(said.index / 0.6, 3), 1e-5);
   EXPECT_TRUE(std::isnan(plain.index));
   EXPECT_NEAR(without.slides(), plain.answer.status == AnswerStatus::ok ? 0.4 * said.index : 0, 0.02);
   EXPECT_NEAR(without.next(with(0.5f)).index, 1, 0.1);
