@@ -636,13 +636,13 @@ void PadStepper<Real>::put_back(const Kept& kept, std::span<const std::uint8_t> 
   if (!mask.empty()) check_size("mask", mask.size(), count());
   s.result_view.reset(), s.frame_view.reset();
   s.framed = false;
-  const auto put = [&](Buffer<Real>& buffer, const std::vector<Real>& from, std::size_t rows) {
+  const auto put = [&](Buffer<Real>& buffer, const std::vector<Real>& from, std::size_t rows, const auto& at) {
     const auto all = buffer.map();
     for (std::size_t c = 0; c < count(); ++c)
-      for (std::size_t k = 0; k < rows && (mask.empty() || mask[c] == 0); ++k)
-        all[s.at(c, k, rows)] = from[s.at(c, k, rows)];
+      for (std::size_t k = 0; k < rows && (mask.empty() || mask[c] == 0); ++k) all[at(c, k)] = from[at(c, k)];
   };
-  put(s.state, kept.state, s.rows()), put(s.result, kept.result, STEP_RESULT_ROWS);
+  put(s.state, kept.state, s.rows(), [&](std::size_t c, std::size_t k) { return s.at(c, k, s.rows()); });
+  put(s.result, kept.result, STEP_RESULT_ROWS, [](std::size_t c, std::size_t k) { return c * STEP_RESULT_ROWS + k; });
 }
 
 template <class Real>
