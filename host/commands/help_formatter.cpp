@@ -84,7 +84,8 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
      "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --warm-up --momentum "
      "--loss --average --validation --patience "
      "--stop-error --order "},
-    {"Alarm", "--alarm --alarm-at --signal --rest --decision --decision-csv --touch --hold --slide --unlike --widest --rate "},
+    {"Alarm",
+     "--alarm --alarm-at --signal --rest --decision --decision-csv --touch --hold --slide --unlike --widest --rate "},
     {"Accuracy", "--accuracy --rung --converge --tolerance "},
     {"Device", "--device --also-device --precision --solver --sensors "},
     {"Other", "--quiet --help --version "},

@@ -31,7 +31,8 @@ std::string html(const LivePage& page) {
       "tactel: " + page.source,
       fmt::format(
           "<h1>tactel monitor</h1>\n<p class=\"subtitle\">{}</p>\n<p class=\"state fact\" id=\"state\"><b>waiting</b> "
-          "<span>for the first frame</span></p>\n<div class=\"live\"><figure><div class=\"readout\" id=\"readout\"></div>"
+          "<span>for the first frame</span></p>\n<div class=\"live\"><figure><div class=\"readout\" "
+          "id=\"readout\"></div>"
           "<div class=\"legend\" id=\"key\"></div><div id=\"history\"></div><div id=\"truth\"></div></figure>\n"
           "<figure><div class=\"live-pads\">{}</div><div class=\"legend\" id=\"scale\"></div></figure></div>\n"
           "<div id=\"drift\"></div>\n<script type=\"application/json\" id=\"setup\">{}</script>\n",

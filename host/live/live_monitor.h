@@ -86,8 +86,8 @@ struct MonitorEvents {
   std::function<void(const MonitorSummary&)> second{};  ///< about once a second
   /// Seconds without a frame, and the time of the source's clock; each MonitorOptions::silence again.
   std::function<void(double seconds, double now)> silence{};
-  std::function<bool()> stop{};             ///< true ends it
-  std::function<MonitorCalls()> calls{};    ///< asked between packets
+  std::function<bool()> stop{};           ///< true ends it
+  std::function<MonitorCalls()> calls{};  ///< asked between packets
   /// mu of each pad after `slides`, or of AlarmSignal::left Q / P; NaN: none was read.
   std::function<void(std::span<const float>)> friction{};
 };

@@ -17,9 +17,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::vector<std::string> commands = {"solve",     "generate", "check",         "train",   "recall",
-                                           "reproduce", "tradeoff", "extremes",      "monitor", "record",
-                                           "tare",      "devices"};
+const std::vector<std::string> commands = {"solve",    "generate", "check",   "train",  "recall", "reproduce",
+                                           "tradeoff", "extremes", "monitor", "record", "tare",   "devices"};
 
 /// The error's first line; fails where the exit code is not 2 or standard output holds something.
 std::string error_of(const std::vector<std::string>& arguments) {
