@@ -187,7 +187,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     offset = spread_of(chain.offset_spread, own.word[1]) * spread.second;
   }
   if (of_axes) {
-    const vreal shear = gain * exponential(spread_of(chain.shear_gain, skin.word[3]));
+    const vreal shear = gain * natural_exp(spread_of(chain.shear_gain, skin.word[3]));
     for (uint lane = 0; lane < LANES; ++lane)
       if (vector * LANES + lane >= tactels) ((real *)&gain)[lane] = NUMBER(shear, lane);
   }

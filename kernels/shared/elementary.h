@@ -61,7 +61,7 @@ static inline vreal exp_minus_1(vreal x) {
 }
 
 /* e^z for |z| <= 80; beyond, the value there. */
-static inline vreal exponential(vreal z) {
+static inline vreal natural_exp(vreal z) {
   const vreal e = 1 + exp_minus_1(fabs(z));
   return PICK(z < 0, 1 / e, e);
 }

@@ -96,8 +96,8 @@ def _decoder(encoding, schema, place):
 def _of_bag(path, topics, known):
     """A bag of ROS 1, or the folder of a bag of ROS 2."""
     try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.highlevel import AnyReader  # type: ignore[import]
+        from rosbags.typesys import Stores, get_typestore  # type: ignore[import]
     except ImportError:
         raise input_error(str(path), "a bag of ROS", "install what reads it: pip install rosbags") from None
     with AnyReader([pathlib.Path(path)], default_typestore=get_typestore(Stores.LATEST)) as reader:

@@ -24,7 +24,7 @@ const char* const text =
     "  const vreal x = u[group];\n"
     "  vreal sine;\n"
     "  out[group] = natural_log(x);\n"
-    "  out[groups + group] = exponential(x * 160 - 80);\n"
+    "  out[groups + group] = natural_exp(x * 160 - 80);\n"
     "  out[2 * groups + group] = cos_pi(x * 2, &sine);\n"
     "  out[3 * groups + group] = sine;\n"
     "  out[4 * groups + group] = activation(x * 160 - 80);\n"
