@@ -47,9 +47,11 @@ BaseMesh base_mesh(const std::array<double, 2>& sides, const BaseGrading& gradin
   return mesh;
 }
 
-/// What is left of the sides' part so far from them: all, then less from `far` to twice that.
+/// What is left of the sides' part so far from them: all, then less from 2 H, where it has died out to a 20th, to twice
+/// that. Beyond, the bricks' own errors would remain.
 double left_at(double from_side) {
-  const double way = std::clamp(from_side / BaseGrading::far - 1, 0.0, 1.0);
+  constexpr double dies_out = 2;
+  const double way = std::clamp(from_side / dies_out - 1, 0.0, 1.0);
   return 1 - way * way * (3 - 2 * way);
 }
 

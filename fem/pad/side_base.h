@@ -20,7 +20,7 @@ struct BaseGrading {
 
 /// What the free sides of a pad add to the stress on its base, as SideKernel to the surface: the stress of a block of
 /// bricks less that of the endless layer by uniform tractions on the cells of a grid, which is smooth in the place of
-/// the cells. It dies out as exp(-pi / 2 of the distance from a side), and is taken away from far to twice that.
+/// the cells. It dies out as exp(-pi / 2 of the distance from a side), and is taken away from 2 to 4.
 /// Lengths over H, E = 1. Some tenths of a second; a file of the cache holds it.
 class SideBase {
  public:

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 #include "fem/value_error.h"
@@ -290,7 +292,8 @@ std::string calibrated_profile(const SensorProfile& profile, const hw::Calibrati
   for (std::string line; std::getline(lines, line);) {
     const std::size_t begin = line.find_first_not_of(" \t");
     if (begin != std::string::npos && line[begin] == '[' && line.find('=') == std::string::npos)
-      old = line.compare(begin, 13, "[calibration]") == 0;
+      old = std::ranges::any_of(std::array{"[calibration]", "[hold]", "[slide]"},
+                                [&](const char* table) { return line.compare(begin, std::strlen(table), table) == 0; });
     if (!old) text += line + "\n";
   }
   for (const std::string& remark : remarks) text += "# " + one_line(remark) + "\n";

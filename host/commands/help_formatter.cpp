@@ -72,7 +72,8 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
      "--source --profile --calibration --seconds --late --drift --stream --rows --block --scene --candidates "
      "--presses --noise --target --magnitude --without-force --scenes --seed --pads --quick "},
     {"Output",
-     "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --stresses --every --frames "
+     "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --serve-host --stresses "
+     "--every --frames "
      "--columns "
      "--compress --recall "
      "--resume --force --checkpoint-seconds "},

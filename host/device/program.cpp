@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/device/program.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <future>
@@ -11,8 +14,10 @@
 #include <stdexcept>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "host/device/built_programs.h"
+#include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"
@@ -77,22 +82,28 @@ std::string option_text(const Device& device, const Defines& defines) {
   return text;
 }
 
+std::atomic<int> under_way = 0;  ///< builds in threads of their own
+
+/// Lets a build that a stop has left come to its end, and ends the process without what the driver and its compiler do
+/// at an exit: they do not bear a build beside it.
+void end_after_what_is_left(int status, void*) {
+  while (const int left = under_way) under_way.wait(left);
+  if (const CompileCache* const cache = compile_cache()) cache->leave();
+  std::fflush(nullptr);
+  ::_exit(status);
+}
+
 /// Returns build(). Where this thread may be asked to stop, another one builds, and a stop leaves it to its work: the
 /// cache keeps the program for the next who asks.
 cl::Program stoppable(const std::function<cl::Program()>& build) {
   using namespace std::chrono_literals;
   if (!StopScope::current()) return build();
-  static std::atomic<int> under_way = 0;
-  static const int at_exit = std::atexit([] {  // before the driver ends, which builds
-    while (const int left = under_way) under_way.wait(left);
-  });
-  (void)at_exit;
   std::packaged_task<cl::Program()> task(build);
   std::future<cl::Program> built = task.get_future();
   ++under_way;
   try {
     std::thread([task = std::move(task)]() mutable {
-      task();
+      std::exchange(task, {})();  // its objects of the driver end here, too
       --under_way;
       under_way.notify_all();
     }).detach();
@@ -101,7 +112,11 @@ cl::Program stoppable(const std::function<cl::Program()>& build) {
     return build();
   }
   while (built.wait_for(20ms) != std::future_status::ready)
-    if (StopScope::asked()) throw Stopped("stopped while kernels were compiled");
+    if (StopScope::asked()) {
+      static const int at_exit = ::on_exit(end_after_what_is_left, nullptr);  // before what the driver has for it
+      (void)at_exit;
+      throw Stopped("stopped while kernels were compiled");
+    }
   return built.get();
 }
 

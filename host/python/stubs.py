@@ -16,7 +16,7 @@ import tactel
 FILE = pathlib.Path(tactel.__file__)
 SOURCE = ast.parse(FILE.read_text(encoding="utf-8"))
 NAMES = next(node.body for node in SOURCE.body if isinstance(node, ast.If))  # what type checkers alone see
-SPECIAL = {"__init__", "__len__", "__call__", "__iter__", "__next__", "__enter__", "__exit__", "__array__", "__int__", "__index__", "_repr_html_"}
+SPECIAL = {"__init__", "__len__", "__call__", "__iter__", "__next__", "__enter__", "__exit__", "__array__", "__dlpack__", "__dlpack_device__", "__int__", "__index__", "_repr_html_"}
 # Words of pybind11, from 2.12 on: those of all types, of arguments, and of what a function returns.
 WORDS = [(r"\b(tactel\._tactel|typing|collections\.abc|numpy\.typing)\.", ""), (r"\b(List|Tuple|Dict)\b", lambda word: word[0].lower()),
          (r"Supports(Int|Float)( \| SupportsIndex)?", lambda word: word[1].lower()), (r"\bobject\b", "Any"), (r"= <[^>]*>", "= ..."),

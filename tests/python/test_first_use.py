@@ -126,7 +126,7 @@ class Interrupt(unittest.TestCase):
         self.heard("scenes = [tactel.read_scene('pad.toml')] * 20000", "tactel.solve_many(scenes)")
 
     def test_solve(self):
-        self.heard("scene = tactel.read_scene('pad.toml')\nscene = scene.with_(load=tactel.Press(0.4).drag((0.0001, 0), steps=20000))",
+        self.heard("scene = tactel.read_scene('pad.toml')\nscene = scene.with_(load=tactel.Press(0.4).drag((0.002, 0), steps=1000))",
                    "tactel.solve(scene, solver='twin', rung='pad-24')")
 
     def test_a_step_leaves_the_contacts_as_they_were(self):

@@ -138,9 +138,9 @@ class Steps(unittest.TestCase):
             out.frames
 
     def test_a_grid_is_fitted_to_a_pad_with_sides(self):
-        pad = PAD.with_(length=6.0, width=2.0)
+        pad = PAD.with_(length=6.0, width=3.0)
         fitted, own = tactel.PadStepper(pad, 1, 0.5), tactel.PadStepper(pad, 1, 0.5, cells=[12, 4], cell=(0.5, 0.4))
-        for steps, x, y in ((fitted, 6.0, 2.0), (own, 6.0, 1.6)):
+        for steps, x, y in ((fitted, 6.0, 3.0), (own, 6.0, 1.6)):
             for places, length in ((steps.cell_x, x), (steps.cell_y, y)):
                 sides = np.unique(np.round(places, 9))
                 self.assertAlmostEqual(len(sides) * (sides[1] - sides[0]), length)
@@ -153,7 +153,7 @@ class Steps(unittest.TestCase):
 
     def test_what_is_wrong_is_said(self):
         with self.assertRaisesRegex(tactel.InputError, "cell: 0.5; must be 0.25 mm at most, as 16 cells lie within the pad"):
-            tactel.PadStepper(PAD.with_(length=4, width=5), 3, MU)
+            tactel.PadStepper(PAD.with_(length=4, width=5), 3, MU, cell=0.5)
         with self.assertRaisesRegex(tactel.InputError, "friction"):
             tactel.PadStepper(PAD, 2, MU)
         with self.assertRaisesRegex(tactel.InputError, "count: 2147483648; must be .* at most"):

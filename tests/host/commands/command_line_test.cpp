@@ -243,7 +243,7 @@ TEST(Help, ListsOptionsInTheSameGroupsEverywhere) {
   }
   EXPECT_GT(groups.size(), 70u);
   for (const auto& [option, found] : groups) {
-    const bool of_two_meanings = option == "--frames" || option == "--rows";
+    const bool of_two_meanings = option == "--rows";
     EXPECT_EQ(found.size(), of_two_meanings ? 2u : 1u) << option;
     EXPECT_EQ(found.contains("Other"), option == "--quiet" || option == "-h") << option << " needs a group";
   }
