@@ -102,7 +102,7 @@ TEST_F(PadSet, RowsAreThoseOfSolve) {
       add_slide(expected);
       EXPECT_NEAR(set.slid[row], slid, 1e-6 * slid);
       // A first press on few cells has an answer of its own in both, and the ways of its cells are others.
-      EXPECT_NEAR(set.slip_path[row], path, (pressed > 1 ? 0.05 : 1e-6) * path);
+      EXPECT_NEAR(set.slip_path[row], path, 1e-6 * path + (pressed > 1 ? 0.01 : 0));
       EXPECT_GE(set.slip_path[row], set.slid[row]);
       EXPECT_EQ(set.stick_fraction[row], f(expected.stick_fraction));
       EXPECT_EQ(set.indentation[row], f(expected.indentation));
