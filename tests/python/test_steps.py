@@ -149,7 +149,7 @@ class Steps(unittest.TestCase):
             steps.shapes(tactel.Box((9.0, 9.0)))
             self.assertEqual(steps.move([0.05, 0, 0, 0]).flags[0], flags)
         self.assertEqual(fitted.move([0.1, 0, 0, 0]).flags[0], fitted.DEEP)  # 5 % of the thickness
-        self.assertEqual(fitted.move([0.1, 1e20, 0, 0]).flags[0], fitted.DEEP | fitted.INVALID)
+        self.assertTrue(fitted.move([0.1, 1e20, 0, 0]).flags[0] & fitted.INVALID)
 
     def test_what_is_wrong_is_said(self):
         with self.assertRaisesRegex(tactel.InputError, "cell: 0.5; must be 0.25 mm at most, as 16 cells lie within the pad"):
