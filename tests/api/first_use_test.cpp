@@ -87,18 +87,6 @@ INSTANTIATE_TEST_SUITE_P(
                                 steps.set_shapes(std::array{PadIndenter{.shape = Sphere{.radius = 8}}});
                                 return steps.press(std::array{0.5, 0.1, 0.0, 0.0}).force;
                               }},
-                    FirstCall{"train",
-                              [] {
-                                Set set;
-                                set.inputs = 2, set.contacts = 50;
-                                for (int i = 0; i < 50; ++i) {
-                                  set.frames.insert(set.frames.end(), {-0.1f - 0.01f * i, 0.002f * i});
-                                  set.slip_index.push_back(0.02f * i), set.contact.push_back(i),
-                                      set.status.push_back(0), set.contact_nodes.push_back(3), set.step.push_back(0);
-                                }
-                                const auto network = train(set, {.networks = {"2-3-1"}, .cycles = 2}).at(0).estimator();
-                                return Numbers{network.estimate(std::array{-0.3f, 0.1f}).slip_index};
-                              }},
                     FirstCall{"live",
                               [] {
                                 LiveEstimator live({Network::load("uskin-4x4")}, "cpu");
