@@ -56,7 +56,7 @@ OverDifferences beside_free_sides(int cells, int finer) {
 constexpr double rounding_of_slip = 1e-3;
 
 /// Whether Q and M are 0 but for rounding: an indenter that is pressed without drag, and is symmetric.
-bool only_pressed(const fem::PadScene& scene, const fem::PadSolution& solution) {
+bool bears_no_drag(const fem::PadScene& scene, const fem::PadSolution& solution) {
   double tangential = 0, P = 0;
   for (const fem::PadStep& step : solution.steps) {
     tangential = std::max({tangential, step.Q.norm(), std::abs(step.M) / solution.cells.half_size()});
@@ -121,7 +121,7 @@ double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution
 
 void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSolution& solution) {
   AnswerError& e = error.expected;
-  if (only_pressed(scene, solution)) e.Q = e.M = 0;  // relative to them, rounding would be any number
+  if (bears_no_drag(scene, solution)) e.Q = e.M = 0;  // relative to them, rounding would be any number
   if (by_force(scene)) return;
   error.strain = strain_error(scene, solution);
   e.P += error.strain, e.sigma += error.strain;

@@ -100,7 +100,7 @@ bool keeps_accuracy(PadOutcome& outcome, PadJudge& judge) {
 }
 
 /// Goes up the rungs until one keeps the accuracy. Where there are no second solutions the classes say where to begin.
-void solve_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& options) {
+void pad_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& options) {
   const PadRung* rung = &pad_rungs().front();
   solve_on_rung(outcome, *rung, options);
   if (!touches(outcome.solution)) return;
@@ -120,7 +120,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   outcome.scene = scene, outcome.accuracy = options.accuracy;
   PadJudge judge(scene);
   if (options.accuracy) {
-    solve_to_accuracy(outcome, judge, options);
+    pad_to_accuracy(outcome, judge, options);
   } else {
     solve_on_rung(outcome, options.rung.empty() ? usual_pad_rung() : pad_rung_named(options.rung), options);
     if (!outcome.rung.exact && touches(outcome.solution))

@@ -17,7 +17,7 @@ struct CancelScope::State {
   host::StopScope::Asked asked;
   host::StopScope scope{&asked};
 };
-CancelScope::CancelScope(std::function<bool()> asked) : state_(new State(std::move(asked))) {}
+CancelScope::CancelScope(bool (*asked)(void*), void* with) : state_(new State([=] { return asked(with); })) {}
 CancelScope::~CancelScope() { delete state_; }
 
 Cancelled::~Cancelled() = default;

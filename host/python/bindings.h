@@ -139,7 +139,7 @@ class Computation {
   auto run(const Compute& compute) {
     const auto unlocked = [&] {
       const py::gil_scoped_release released;
-      const CancelScope scope([this] { return is_cancelled(); });
+      const CancelScope scope([](void* self) { return static_cast<Computation*>(self)->is_cancelled(); }, this);
       const auto progress = [this](std::uint64_t done, std::uint64_t all) { return goes_on(done, all); };
       if constexpr (std::is_invocable_v<Compute>)
         return compute();

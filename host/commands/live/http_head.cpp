@@ -48,7 +48,7 @@ std::string lower(std::string_view text) {
 }
 
 /// The name or address of a Host, in small letters; none where it is no host.
-std::optional<std::string> name_of(std::string_view host) {
+std::optional<std::string> header_name(std::string_view host) {
   const bool bracket = host.starts_with('[');
   const std::size_t end = bracket ? host.find(']') : std::min(host.find(':'), host.size());
   if (end == std::string_view::npos) return std::nullopt;
@@ -111,9 +111,9 @@ std::string printable(std::string_view text) {
 }  // namespace
 
 bool answers_to(std::string_view host, const std::vector<std::string>& hosts) {
-  const std::optional<std::string> name = name_of(host);
+  const std::optional<std::string> name = header_name(host);
   if (!name || name->empty()) return false;
-  return *name == "localhost" || std::ranges::find(hosts, name, name_of) != hosts.end() || is_own_address(*name);
+  return *name == "localhost" || std::ranges::find(hosts, name, header_name) != hosts.end() || is_own_address(*name);
 }
 
 HttpRequest read_head(std::string_view head, const std::vector<std::string>& hosts) {

@@ -93,7 +93,9 @@ TEST_P(PadExample, RunsBySolversThatAgree) {
   const auto answer = [&](const std::string& solver) {
     const ChildResult result = run_tactel({"solve", scene, "--json", "-", "--solver", solver});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(without_progress(result.err), "");
+    const std::string said = without_progress(result.err);  // of a deep face, that strain is left out
+    EXPECT_TRUE(said.empty() || (said.starts_with("warning: the face is") && said.find('\n') + 1 == said.size()))
+        << said;
     return nlohmann::json::parse(result.out);
   };
   const auto a = answer("batched"), b = answer("twin");

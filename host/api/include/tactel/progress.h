@@ -3,7 +3,6 @@
 #include <tactel/error.h>
 
 #include <cstdint>
-#include <functional>
 
 namespace tactel {
 
@@ -26,11 +25,11 @@ class ProgressFunction {
   bool (*call_)(const void*, std::uint64_t, std::uint64_t) = nullptr;
 };
 
-/// While it lives, long calls of this library that its thread makes end by Cancelled soon after `asked` returns true.
-/// Threads that help them call it, too. Of two scopes the inner one counts.
+/// While it lives, long calls of this library that its thread makes end by Cancelled soon after asked(with) returns
+/// true. Threads that help them call it, too. Of two scopes the inner one counts.
 class TACTEL_API CancelScope {
  public:
-  explicit CancelScope(std::function<bool()> asked);
+  CancelScope(bool (*asked)(void*), void* with);
   ~CancelScope();
   CancelScope(const CancelScope&) = delete;
   CancelScope& operator=(const CancelScope&) = delete;
