@@ -143,11 +143,6 @@ static inline vreal last_below(const Profile *profile, vreal depth, vreal inside
   return PICK(all, outside, low);
 }
 
-static inline vreal exponential(vreal x) {
-  const vreal e = exp_minus_1(fabs(x)) + 1;
-  return PICK(x < 0, 1 / e, e);
-}
-
 /* The extent that the largest force presses without friction: searches at depths from secants in the logarithms of
    depth and force. */
 static inline void search_force(const Layer *layer, const Profile *profile, const vreal *in, vint searching,
@@ -161,7 +156,7 @@ static inline void search_force(const Layer *layer, const Profile *profile, cons
       const vreal ratio = PICK(learns, p / p_last, ALL_LANES(2)), way = PICK(learns, depth / depth_last, ALL_LANES(2));
       const vreal slope = SMALLER(LARGER(natural_log(ratio) / natural_log(way), ALL_LANES((real)0.5)), ALL_LANES(4));
       if (trial > 1) power = PICK(learns, slope, power);
-      const vreal step = exponential(natural_log(PICK(p > 0, wanted / p, ALL_LANES(1))) / power);
+      const vreal step = natural_exp(natural_log(PICK(p > 0, wanted / p, ALL_LANES(1))) / power);
       const vreal factor = PICK(p > 0, SMALLER(LARGER(step, ALL_LANES((real)0.1)), ALL_LANES(10)), ALL_LANES(10));
       depth_last = depth;
       p_last = p;
