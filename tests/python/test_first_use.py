@@ -127,7 +127,7 @@ class Interrupt(unittest.TestCase):
 
     def test_solve(self):
         self.heard("scene = tactel.read_scene('pad.toml')\nscene = scene.with_(load=tactel.Press(0.4).drag((0.002, 0), steps=1000))",
-                   "tactel.solve(scene, solver='twin', rung='pad-12')")
+                   "tactel.solve(scene, solver='twin', rung='pad-24')")
 
     def test_a_step_leaves_the_contacts_as_they_were(self):
         self.heard("""
