@@ -11,6 +11,7 @@
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/side_kernel.h"
 #include "host/contact/pad_stream.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -167,7 +168,8 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .pressing_increments = finer_increments(cells),
                                 .drag_increments = 2,
                                 .side_bricks = fem::SideBricks::finer,
-                                .whole_path = false};
+                                .whole_path = false,
+                                .between_sweeps = &StopScope::check};
   const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }

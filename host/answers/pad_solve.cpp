@@ -9,6 +9,7 @@
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
 #include "host/support/errors.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -47,7 +48,9 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
   if (outcome.rung.exact) {
     outcome.solver = "reference";
-    fem::PadReferenceSolution answer = fem::PadReference(layer).solve(outcome.scene);
+    fem::PadOptions reference = fem::pad_reference_options();
+    reference.between_sweeps = &StopScope::check;
+    fem::PadReferenceSolution answer = fem::PadReference(layer, reference).solve(outcome.scene);
     outcome.error = {
         .expected = answer.error, .from = "half as many cells", .largest = answer.error.S, .scenes = "this scene"};
     outcome.solution = std::move(answer.solution);
@@ -58,6 +61,7 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   fem::PadOptions twin = model_of(outcome.rung).options;
   twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
   if (options.tolerance) twin.accept = *options.tolerance;
+  twin.between_sweeps = &StopScope::check;
   outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);
 }
 

@@ -126,8 +126,10 @@ class Interrupt(unittest.TestCase):
         self.heard("scenes = [tactel.read_scene('pad.toml')] * 20000", "tactel.solve_many(scenes)")
 
     def test_solve(self):
-        self.heard("scene = tactel.read_scene('pad.toml')\nscene = scene.with_(load=tactel.Press(0.4).drag((0.002, 0), steps=1000))",
-                   "tactel.solve(scene, solver='twin', rung='pad-24')")
+        for words in "solver='twin', rung='pad-24'", "rung='reference'":
+            with self.subTest(words):
+                self.heard("scene = tactel.read_scene('pad.toml')\nscene = scene.with_(load=tactel.Press(0.4).drag((0.002, 0), steps=1000))",
+                           f"tactel.solve(scene, {words})")
 
     def test_a_step_leaves_the_contacts_as_they_were(self):
         self.heard("""
