@@ -132,7 +132,7 @@ Interval lowest_part(const Indenter& indenter) {
 
 const char* shape_name(const Shape& shape) {
   static_assert(line_shapes.size() == std::variant_size_v<Shape>);
-  return line_shapes[shape.index()];
+  return line_shapes[shape.index()].key;
 }
 
 }  // namespace tactel::fem

@@ -35,10 +35,30 @@ inline constexpr NoTable<T> numbers;
 template <>
 inline constexpr std::tuple<> numbers<Profile>{};
 
-// What shapes are called in files, in the order of their variants.
-inline constexpr std::array line_shapes{"flat",      "wedge",        "parabola", "cylinder", "exponential",
-                                        "trapezoid", "rounded_flat", "taylor",   "profile"};
-inline constexpr std::array pad_shapes{"sphere", "paraboloid", "cylinder", "punch", "box", "cone", "heightmap"};
+/// What a shape is called in files and in Python, and what Python says of it.
+struct ShapeName {
+  const char *key, *python, *meaning;
+};
+// In the order of their variants.
+inline constexpr std::array line_shapes{
+    ShapeName{"flat", "Flat", "0 up to half_width, no indenter beyond."},
+    ShapeName{"wedge", "Wedge", "y = r / tan(edge_angle / 2)."},
+    ShapeName{"parabola", "Parabola", "y = r^2 / (2 radius); r: distance from the indenter's position."},
+    ShapeName{"cylinder", "Cylinder", "A circle; no indenter beyond r = radius."},
+    ShapeName{"exponential", "Exponential", "y = height (e^(rate r) - 1)."},
+    ShapeName{"trapezoid", "Trapezoid", "0 up to half_width, then slope (r - half_width)."},
+    ShapeName{"rounded_flat", "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius)."},
+    ShapeName{"taylor", "Taylor", "y = height * sum of coefficients (r / scale)^powers."},
+    ShapeName{"profile", "Profile", "Points, linear between them; no indenter beyond the ends."}};
+inline constexpr std::array pad_shapes{
+    ShapeName{"sphere", "Sphere", "A sphere on a pad; no indenter beyond r = radius."},
+    ShapeName{"paraboloid", "Paraboloid", "x^2 / (2 radii[0]) + y^2 / (2 radii[1])."},
+    ShapeName{"cylinder", "LyingCylinder",
+              "A cylinder along y on a pad; no indenter beyond |x| = radius and |y| = half_length."},
+    ShapeName{"punch", "Punch", "A round punch: max(0, r - radius)^2 / (2 edge); edge 0: sharp."},
+    ShapeName{"box", "Box", "max(0, |x| - half_widths[0])^2 / (2 edge), and the same along y; edge 0: sharp."},
+    ShapeName{"cone", "Cone", "r / tan(angle)."},
+    ShapeName{"heightmap", "HeightMap", "Heights on a grid, bilinear between them; no indenter beyond."}};
 
 inline constexpr const char *some_mm = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
                             *some_edge = "the radius of its rounding in mm, 0 for a sharp edge",

@@ -3,186 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "fem/angles.h"
-#include "fem/measured_profile.h"
 #include "fem/number_text.h"
-#include "fem/overloaded.h"
-#include "fem/shape_numbers.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// height of a circle of this radius at distance r from its lowest point.
-double circle(double radius, double r) {
-  return r <= radius ? r * r / (radius + std::sqrt(radius * radius - r * r)) : infinity;
-}
-
-/// Half the width of a circle's section at a depth.
-double section(double radius, double depth) {
-  return depth < radius ? std::sqrt(depth * (2 * radius - depth)) : radius;
-}
-
-/// (distance beyond a flat)^2 / (2 edge); a sharp edge is ignored.
-double rounding(double beyond, double edge) { return beyond > 0 && edge > 0 ? beyond * beyond / (2 * edge) : 0; }
-
-double between(const HeightMap& map, double x, double y) {
-  const Eigen::Index rows = map.heights.rows(), columns = map.heights.cols();
-  const double i = x / map.pitch + static_cast<double>(rows - 1) / 2;
-  const double j = y / map.pitch + static_cast<double>(columns - 1) / 2;
-  if (!(i >= 0 && j >= 0 && i <= static_cast<double>(rows - 1) && j <= static_cast<double>(columns - 1)))
-    return infinity;
-  const Eigen::Index k = std::min(static_cast<Eigen::Index>(i), rows - 2),
-                     l = std::min(static_cast<Eigen::Index>(j), columns - 2);
-  const double p = i - static_cast<double>(k), q = j - static_cast<double>(l);
-  const auto h = map.heights.block<2, 2>(k, l);
-  return (1 - p) * ((1 - q) * h(0, 0) + q * h(0, 1)) + p * ((1 - q) * h(1, 0) + q * h(1, 1));
-}
-
-/// Returns use(h): h(x, y) is the height of the upright shape. What does not depend on the place is worked out once.
-template <class Use>
-auto with_heights(const PadShape& shape, Use use) {
-  const auto far = [](double x, double y) { return std::sqrt(x * x + y * y); };
-  return std::visit(
-      Overloaded{
-          [&](const Sphere& s) { return use([&](double x, double y) { return circle(s.radius, far(x, y)); }); },
-          [&](const Paraboloid& p) {
-            return use([&](double x, double y) { return x * x / (2 * p.radii[0]) + y * y / (2 * p.radii[1]); });
-          },
-          [&](const LyingCylinder& c) { return use([&](double x, double) { return circle(c.radius, std::abs(x)); }); },
-          [&](const Punch& p) {
-            return use([&](double x, double y) { return rounding(far(x, y) - p.radius, p.edge); });
-          },
-          [&](const Box& b) {
-            return use([&](double x, double y) {
-              return rounding(std::abs(x) - b.half_widths[0], b.edge) +
-                     rounding(std::abs(y) - b.half_widths[1], b.edge);
-            });
-          },
-          [&](const Cone& c) {
-            return use([wide = std::tan(radians(c.angle)), &far](double x, double y) { return far(x, y) / wide; });
-          },
-          [&](const HeightMap& m) { return use([&m](double x, double y) { return between(m, x, y); }); }},
-      shape);
-}
-
-/// The tilted bottom as a plane: slopes along x and y, and how far its lowest point lies below the axis. On a rounding
-/// edge it lies slope * edge beyond the flat.
-struct Tilt {
-  explicit Tilt(const PadIndenter& indenter) {
-    const double slope = std::tan(radians(indenter.tilt)), direction = radians(indenter.tilt_direction);
-    x = slope * std::cos(direction), y = slope * std::sin(direction);
-    const auto lowest = [](double t, double flat, double edge) { return t * flat + t * t * edge / 2; };
-    if (const auto* punch = std::get_if<Punch>(&indenter.shape)) below = lowest(slope, punch->radius, punch->edge);
-    if (const auto* box = std::get_if<Box>(&indenter.shape))
-      below = lowest(std::abs(x), box->half_widths[0], box->edge) + lowest(std::abs(y), box->half_widths[1], box->edge);
-  }
-  double x, y, below = 0;
-};
-
-PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
-
-}  // namespace
-
-const char* name(Sides sides) { return sides == Sides::free ? "free" : "held"; }
-
-const char* shape_name(const PadShape& shape) {
-  static_assert(pad_shapes.size() == std::variant_size_v<PadShape>);
-  return pad_shapes[shape.index()];
-}
-
-double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
-  const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
-  if (!beyond_edges) {
-    const PadBox edges = pad_edges(indenter.shape);
-    const bool round = std::holds_alternative<Punch>(indenter.shape);
-    if (!(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y))) return infinity;
-  }
-  const double height = with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); });
-  if (indenter.tilt == 0) return height;
-  const Tilt tilt(indenter);
-  return height + tilt.x * x + tilt.y * y + tilt.below;
-}
-
-Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
-  Eigen::MatrixXd heights(x.size(), y.size());
-  with_heights(indenter.shape, [&](const auto& height) {
-    for (Eigen::Index j = 0; j < y.size(); ++j)
-      for (Eigen::Index i = 0; i < x.size(); ++i) heights(i, j) = height(x[i], y[j]);
-  });
-  if (indenter.tilt == 0) return heights;
-  const Tilt tilt(indenter);
-  heights.array().colwise() += tilt.x * x + tilt.below;
-  heights.array().rowwise() += tilt.y * y.transpose();
-  return heights;
-}
-
-PadBox pad_edges(const PadShape& shape) {
-  return std::visit(
-      Overloaded{[](const LyingCylinder& c) { return centred(infinity, c.half_length); },
-                 [](const Punch& p) { return p.edge > 0 ? centred(infinity, infinity) : centred(p.radius, p.radius); },
-                 [](const Box& b) {
-                   return b.edge > 0 ? centred(infinity, infinity) : centred(b.half_widths[0], b.half_widths[1]);
-                 },
-                 [](const HeightMap& m) {
-                   const auto half = [&m](Eigen::Index points) {
-                     return m.pitch * static_cast<double>(points - 1) / 2;
-                   };
-                   return centred(half(m.heights.rows()), half(m.heights.cols()));
-                 },
-                 [](const auto&) { return centred(infinity, infinity); }},
-      shape);
-}
-
-PadBox rigid_section(const PadIndenter& indenter, double depth) {
-  const double d = std::max(depth, 0.0);
-  // A tilted edge is touched that much farther out; the search finds how far inwards the bottom is touched.
-  const double steep = std::tan(radians(std::abs(indenter.tilt)));
-  const auto rounded = [&](double flat, double edge) { return flat + steep * edge + std::sqrt(2 * edge * d); };
-  return std::visit(
-      Overloaded{
-          [&](const Sphere& s) { return centred(section(s.radius, d), section(s.radius, d)); },
-          [&](const Paraboloid& p) { return centred(std::sqrt(2 * p.radii[0] * d), std::sqrt(2 * p.radii[1] * d)); },
-          [&](const LyingCylinder& c) { return centred(section(c.radius, d), c.half_length); },
-          [&](const Punch& p) { return centred(rounded(p.radius, p.edge), rounded(p.radius, p.edge)); },
-          [&](const Box& b) { return centred(rounded(b.half_widths[0], b.edge), rounded(b.half_widths[1], b.edge)); },
-          [&](const Cone& c) { return centred(d * std::tan(radians(c.angle)), d * std::tan(radians(c.angle))); },
-          [&](const HeightMap& m) {
-            PadBox box{{infinity, -infinity}, {infinity, -infinity}};
-            for (Eigen::Index i = 0; i < m.heights.rows(); ++i)
-              for (Eigen::Index j = 0; j < m.heights.cols(); ++j) {
-                if (m.heights(i, j) > d) continue;
-                const double x = m.pitch * (static_cast<double>(i) - static_cast<double>(m.heights.rows() - 1) / 2);
-                const double y = m.pitch * (static_cast<double>(j) - static_cast<double>(m.heights.cols() - 1) / 2);
-                box = {{std::min(box.x.left, x - m.pitch), std::max(box.x.right, x + m.pitch)},
-                       {std::min(box.y.left, y - m.pitch), std::max(box.y.right, y + m.pitch)}};
-              }
-            return box;
-          }},
-      indenter.shape);
-}
-
 namespace {
 
 void check(bool good, const std::string& key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
 }
 
-/// A length that any product with others leaves finite.
-void check_length(const char* member, double value) {
-  check(value >= 1e-6 && value <= 1e6, member, value, "a length in mm, between 1e-6 and 1e6");
-}
-
-void check_edge(double value) {
-  check(value == 0 || (value >= 1e-6 && value <= 1e6), "indenter.edge", value, "a radius in mm, 0 (sharp) to 1e6");
-}
-
 }  // namespace
+
+const char* name(Sides sides) { return sides == Sides::free ? "free" : "held"; }
+
+void check_length(const char* member, double value, const char* allowed) {
+  check(value >= 1e-6 && value <= 1e6, member, value, allowed);
+}
 
 void validate(const PadSensor& sensor) {
   check_length("sensor.thickness", sensor.thickness);
@@ -212,36 +52,7 @@ void validate(const PadSensor& sensor) {
 }
 
 void PadIndenter::validate() const {
-  std::visit(
-      Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
-                 [](const Paraboloid& p) {
-                   for (const double radius : p.radii) check_length("indenter.radii", radius);
-                 },
-                 [](const LyingCylinder& c) {
-                   check_length("indenter.radius", c.radius);
-                   check_length("indenter.half_length", c.half_length);
-                 },
-                 [](const Punch& p) {
-                   check_length("indenter.radius", p.radius);
-                   check_edge(p.edge);
-                 },
-                 [](const Box& b) {
-                   for (const double width : b.half_widths) check_length("indenter.half_widths", width);
-                   check_edge(b.edge);
-                 },
-                 [](const Cone& c) {
-                   check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle, "degrees, above 0 and below 90");
-                 },
-                 [](const HeightMap& m) {
-                   check_length("indenter.pitch", m.pitch);
-                   const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
-                   const char* key = m.file.empty() ? "indenter.heights" : "indenter.file";
-                   check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, key,
-                         static_cast<double>(m.heights.size()),
-                         "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
-                   check_range(key, m.heights.maxCoeff(), m.pitch * (std::max(m.heights.rows(), m.heights.cols()) - 1));
-                 }},
-      shape);
+  check_shape(shape);
   for (const double p : position)
     check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
   check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");

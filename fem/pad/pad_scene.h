@@ -38,9 +38,14 @@ using PadShape = PadShapes<HeightMap>;
 /// Returns the name of a shape in scene files: "sphere".
 const char* shape_name(const PadShape& shape);
 /// Whether an indenter of this shape, with a flat bottom, may be tilted.
-inline bool tilts(const PadShape& shape) {
-  return std::holds_alternative<Punch>(shape) || std::holds_alternative<Box>(shape);
-}
+bool tilts(const PadShape& shape);
+/// How a shape ends: nowhere, at the ends of a lying cylinder, at a flat bottom's edge, at a map's border.
+enum class PadEdge { none, ends, sharp, rounded, measured };
+PadEdge pad_edge(const PadShape& shape);
+/// Throws ValueError, key "indenter.<member>".
+void check_shape(const PadShape& shape);
+/// The same unless 1e-6 <= value <= 1e6: any product with others is finite.
+void check_length(const char* member, double value, const char* allowed = "a length in mm, between 1e-6 and 1e6");
 
 struct PadIndenter {
   PadShape shape = Sphere{};
@@ -51,6 +56,9 @@ struct PadIndenter {
 
   void validate() const;  ///< throws ValueError, key "indenter.<member>"
 };
+
+/// Whether every turn about z serves an indenter alike.
+bool is_round(const PadIndenter& indenter);
 
 /// Returns the height at (x, y) of the own frame, mm; +infinity beyond the indenter. With `beyond_edges` the bottom
 /// goes on beyond sharp edges.

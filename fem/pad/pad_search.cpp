@@ -7,7 +7,6 @@
 
 #include "fem/angles.h"
 #include "fem/layer/patch_search.h"
-#include "fem/overloaded.h"
 
 namespace tactel::fem {
 namespace {
@@ -227,15 +226,6 @@ PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, boo
 }
 
 namespace {
-
-/// Whether every frame serves an indenter alike.
-bool is_round(const PadIndenter& indenter) {
-  return std::visit(Overloaded{[](const Sphere&) { return true; }, [](const Cone&) { return true; },
-                               [&](const Punch&) { return indenter.tilt == 0; }, [](const Box&) { return false; },
-                               [](const Paraboloid&) { return false; }, [](const LyingCylinder&) { return false; },
-                               [](const HeightMap&) { return false; }},
-                    indenter.shape);
-}
 
 /// Makes a box sharp to shared cells, which do not resolve its rounding.
 void sharpen_box(PadIndenter& indenter, double reach, const PadBox& contact, int cells) {

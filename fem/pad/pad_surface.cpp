@@ -14,13 +14,6 @@ namespace {
 constexpr int points_of_cell = 8;  ///< along a side, where an edge runs through the cell: the cover is right to 1/16
 constexpr int points_of_means = 16;
 
-/// Whether the indenter ends at edges without a rounding.
-bool is_sharp(const PadShape& shape) {
-  if (const auto* punch = std::get_if<Punch>(&shape)) return punch->edge == 0;
-  if (const auto* box = std::get_if<Box>(&shape)) return box->edge == 0;
-  return false;
-}
-
 /// Larger by this part of a cell's sides, along the own axes of an indenter turned by `angle`.
 PadIndenter enlarged(PadIndenter indenter, double part, const PadCells& cells, double angle) {
   const double across = std::pow(std::sin(angle), 2), more = cells.hy - cells.hx;
@@ -58,7 +51,7 @@ PadBox rubber_of(const PadSensor& sensor) {
 
 PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,
                        bool free_sides) {
-  const bool sharp = is_sharp(indenter.shape);
+  const bool sharp = pad_edge(indenter.shape) == PadEdge::sharp;
   const double angle = radians(indenter.yaw + yaw);
   const PlacedIndenter placed(place, angle);
   const PadIndenter edge =

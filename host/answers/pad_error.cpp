@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/overloaded.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/side_kernel.h"
@@ -75,15 +74,16 @@ const char* name(PadClass pad_class) {
 
 PadClass pad_class(const fem::PadScene& scene) {
   if (scene.indenter.tilt != 0) return PadClass::tilted;
-  const auto edge_of = [](double edge) { return edge > 0 ? PadClass::rounded_edge : PadClass::sharp_edge; };
-  return std::visit(fem::Overloaded{[](const fem::Sphere&) { return PadClass::smooth; },
-                                    [](const fem::Paraboloid&) { return PadClass::smooth; },
-                                    [](const fem::Cone&) { return PadClass::smooth; },
-                                    [](const fem::LyingCylinder&) { return PadClass::sharp_edge; },
-                                    [&](const fem::Punch& punch) { return edge_of(punch.edge); },
-                                    [&](const fem::Box& box) { return edge_of(box.edge); },
-                                    [](const fem::HeightMap&) { return PadClass::height_map; }},
-                    scene.indenter.shape);
+  switch (pad_edge(scene.indenter.shape)) {
+    case fem::PadEdge::none:
+      return PadClass::smooth;
+    case fem::PadEdge::rounded:
+      return PadClass::rounded_edge;
+    case fem::PadEdge::measured:
+      return PadClass::height_map;
+    default:
+      return PadClass::sharp_edge;
+  }
 }
 
 std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::PadScene& scene, double depth) {
@@ -111,7 +111,8 @@ double deepest(const fem::PadSolution& solution) {
 }
 
 bool has_flat_face(const fem::PadScene& scene) {
-  return pad_class(scene) != PadClass::smooth && !std::holds_alternative<fem::LyingCylinder>(scene.indenter.shape);
+  const fem::PadEdge edge = pad_edge(scene.indenter.shape);
+  return edge != fem::PadEdge::none && edge != fem::PadEdge::ends;
 }
 
 double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution) {
@@ -185,7 +186,7 @@ std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::Pad
   const bool free = fem::has_free_sides(scene_.sensor);
   const OverDifferences over = (free ? beside_free_sides : over_differences)(rung.cells, other.cells.n);
   const AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};
-  const bool map = std::holds_alternative<fem::HeightMap>(scene_.indenter.shape);
+  const bool map = pad_class(scene_) == PadClass::height_map;
   for (const auto member : fem::pad_error_members) {
     double& e = error.expected.*member;
     if (!std::isfinite(e)) return {};

@@ -97,7 +97,7 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
 }
 
 bool mirrored(const fem::PadIndenter& indenter) {
-  return indenter.tilt == 0 && !std::holds_alternative<fem::HeightMap>(indenter.shape);
+  return indenter.tilt == 0 && pad_edge(indenter.shape) != fem::PadEdge::measured;
 }
 
 /// Measured heights, [rows][columns] mm, one after the other; equal ones stand once.

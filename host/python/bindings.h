@@ -112,6 +112,18 @@ py::class_<T> numbers_class(py::module_& module, const char* name, const char* d
   (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(fem::numbers<T>)>>>{});
 }
 
+/// Binds every shape of a variant that has a table.
+template <class... S>
+void bind_shapes(py::module_& module, std::type_identity<std::variant<S...>>,
+                 const std::array<fem::ShapeName, sizeof...(S)>& names) {
+  const auto bind = [&module]<class T>(std::type_identity<T>, const fem::ShapeName& name) {
+    if constexpr (!std::is_same_v<T, Profile> && !std::is_same_v<T, HeightMap>)
+      numbers_class<T>(module, name.python, name.meaning);
+  };
+  std::size_t k = 0;
+  (bind(std::type_identity<S>{}, names[k++]), ...);
+}
+
 /// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as
 /// the array.
 template <class Number>

@@ -26,15 +26,8 @@ py::array_t<double> heights_of(const py::object& self) {
 }
 
 void bind_pad_shapes(py::module_& m) {
-  numbers_class<Sphere>(m, "Sphere", "A sphere on a pad; no indenter beyond r = radius.");
-  numbers_class<Paraboloid>(m, "Paraboloid", "x^2 / (2 radii[0]) + y^2 / (2 radii[1]).");
-  numbers_class<LyingCylinder>(m, "LyingCylinder",
-                               "A cylinder along y on a pad; no indenter beyond |x| = radius and |y| = half_length.");
-  numbers_class<Punch>(m, "Punch", "A round punch: max(0, r - radius)^2 / (2 edge); edge 0: sharp.");
-  numbers_class<Box>(m, "Box", "max(0, |x| - half_widths[0])^2 / (2 edge), and the same along y; edge 0: sharp.");
-  numbers_class<Cone>(m, "Cone", "r / tan(angle).");
-  value_class<HeightMap>(m, "HeightMap", "Heights on a grid, bilinear between them; no indenter beyond.",
-                         {"heights", "pitch"})
+  bind_shapes(m, std::type_identity<PadShape>{}, fem::pad_shapes);
+  value_class<HeightMap>(m, "HeightMap", fem::pad_shapes.back().meaning, {"heights", "pitch"})
       .def(py::init(&map_of), "heights"_a, "pitch"_a = 0.1,
            "heights: [rows along y, columns along x] mm, the middle on the axis, the lowest counts as 0; pitch: mm.")
       .def_property_readonly("heights", &heights_of, "[rows along y, columns along x] mm, read only")

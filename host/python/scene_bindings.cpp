@@ -79,16 +79,9 @@ auto scene_field(const Get& get) {
   return [get](const AnyScene& scene) { return std::visit([&](const auto& one) { return get(one); }, scene.of); };
 }
 
-void bind_shapes(py::module_& m) {
-  numbers_class<Parabola>(m, "Parabola", "y = r^2 / (2 radius); r: distance from the indenter's position.");
-  numbers_class<Flat>(m, "Flat", "0 up to half_width, no indenter beyond.");
-  numbers_class<Wedge>(m, "Wedge", "y = r / tan(edge_angle / 2).");
-  numbers_class<Cylinder>(m, "Cylinder", "A circle; no indenter beyond r = radius.");
-  numbers_class<Exponential>(m, "Exponential", "y = height (e^(rate r) - 1).");
-  numbers_class<Trapezoid>(m, "Trapezoid", "0 up to half_width, then slope (r - half_width).");
-  numbers_class<RoundedFlat>(m, "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius).");
-  numbers_class<Taylor>(m, "Taylor", "y = height * sum of coefficients (r / scale)^powers.");
-  value_class<Profile>(m, "Profile", "Points, linear between them; no indenter beyond the ends.", {"x", "y", "smooth"})
+void bind_line_shapes(py::module_& m) {
+  bind_shapes(m, std::type_identity<Shape>{}, fem::line_shapes);
+  value_class<Profile>(m, "Profile", fem::line_shapes.back().meaning, {"x", "y", "smooth"})
       .def(py::init([](std::vector<double> x, std::vector<double> y, double smooth) {
              return Profile{std::move(x), std::move(y), smooth};
            }),
@@ -214,7 +207,7 @@ void bind_scene_of(py::class_<AnyScene>& scene) {
 }  // namespace
 
 void bind_scenes(py::module_& m) {
-  bind_shapes(m);
+  bind_line_shapes(m);
   bind_sensor(m);
   bind_load(m);
   m.attr("bonded") = bonded;

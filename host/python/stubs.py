@@ -101,6 +101,9 @@ def described(name):
     return "\n".join(definitions(name, value)) if callable(value) else f"{name}: {type(value).__name__}"
 
 
+for union, owner in ("Shape", tactel.Indenter), ("PadShape", tactel.PadIndenter):
+    shapes = words(re.search(r"\) -> (.*)", owner.shape.fget.__doc__)[1], MADE)
+    NAMES.append(Unions().visit(ast.parse(f"{union} = {shapes}")).body[0])
 text = ast.unparse(Unions().visit(ast.parse("\n".join(map(described, ["__version__", *tactel.__all__])))))
 for node in NAMES:
     if isinstance(node, ast.Assign):

@@ -33,8 +33,6 @@ if _typing.TYPE_CHECKING:  # names of types, for the functions below and the mod
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    Shape = Flat | Wedge | Parabola | Cylinder | Exponential | Trapezoid | RoundedFlat | Taylor | Profile
-    PadShape = Sphere | Paraboloid | LyingCylinder | Punch | Box | Cone | HeightMap
     Pair = tuple[float, float] | list[float]
     Float32 = NDArray[np.float32]
     Float64 = NDArray[np.float64]
