@@ -64,8 +64,8 @@ def live(browser, tactel, folder):
     (folder / "grip.toml").write_text(scene)
     first, last, every = 1130, 1450, 16  # frames of the sensor, 100 a second
     for dark in (False, True):
-        with subprocess.Popen([tactel, "monitor", "--source", "simulate:grip.toml?rest=1&hold=1&time_constant=0&repeat=3", "--network", "uskin-4x4", "--touch",
-                               "0.002", "--alarm", "0.2", "--serve", "0", "--quiet"], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as monitor:
+        with subprocess.Popen([tactel, "monitor", "--source", "simulate:grip.toml?rest=1&hold=1&time_constant=0&repeat=3", "--touch", "0.002", "--rest", "--alarm",
+                               "--serve", "0", "--quiet"], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as monitor:
             browser.open(re.search(r"http://\S+", monitor.stderr.readline()).group(), width=940, dark=dark)
             while not browser.run("tactel.shown().line"):
                 time.sleep(0.02)
