@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
 
@@ -72,17 +73,40 @@ void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::span<c
   }
 }
 
+namespace {
+
+/// Stands in place of a status until the kernel has written it.
+constexpr int unwritten = -1;
+
+/// Calls of(status) for each step of each scene, until it returns false for one of a scene.
+template <class Real, class Of>
+void each_status(const LaneState<Real>& b, MapFor use, const Of& of) {
+  const auto mapped = b.results.numbers.map(use);
+  for (const std::size_t i : b.order)
+    for (int k = 0; k < b.scenes[i].steps; ++k)
+      if (!of(mapped[b.results.at(b.place[i], static_cast<std::size_t>(k), RESULT_STATUS)])) break;
+}
+
+}  // namespace
+
 template <class Real>
 void ContactBatch<Real>::run(const RunOptions& options) {
   LaneState<Real>& b = *state_;
   b.seconds = 0;
+  each_status(b, MapFor::writing, [](Real& status) { return status = unwritten, true; });
   const std::shared_ptr<const void> borrowed = b.borrow ? b.borrow() : nullptr;
   for (const std::vector<Job>& jobs : b.rounds) {
     if (std::ranges::all_of(jobs, [](const Job& job) { return job.groups == 0; })) continue;
     const RunReport report = b.executor->run(jobs, options);
     b.seconds += report.seconds;
-    if (report.cancelled) break;
+    if (report.cancelled) return;
   }
+  each_status(b, MapFor::reading, [&b](Real status) {
+    if (!(status > unwritten))
+      throw DeviceError("a kernel", "it left answers unwritten", b.device().info().name,
+                        "its OpenCL driver computes wrongly: choose another --device, or compute on the host");
+    return static_cast<int>(status) != LANE_NOT_RUN;
+  });
 }
 
 template <class Real>

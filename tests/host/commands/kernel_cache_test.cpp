@@ -162,6 +162,14 @@ TEST_F(SolveWithCache, AnUnknownDriverMayCrash) {
   EXPECT_EQ(kept_and_left(folder_ / "cache/pocl"), std::pair(2, 0));
 }
 
+TEST_F(SolveWithCache, AKernelThatWritesNothingIsRefused) {
+  for (const std::string scene : {"", "solve='" TACTEL_PROGRAM " solve " TACTEL_SOURCE_DIR "/examples/pad.toml'; "}) {
+    const ChildResult idle =
+        in_shell(folder_, scene + "export LD_PRELOAD=" TACTEL_UNKNOWN_DRIVER "; IDLE=1 $solve > answer");
+    EXPECT_TRUE(is_refused(idle, {"left answers unwritten", "choose another --device"}, 3)) << scene;
+  }
+}
+
 // A log has one line for all compilations.
 TEST_F(SolveWithCache, SaysOnceThatItCompiles) {
   const ChildResult result = in_shell(folder_, "$solve > answer");

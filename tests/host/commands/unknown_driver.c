@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preloaded: the OpenCL platform bears a name that nobody knows; where CRASH is set, its compiler ends the process.
+// Preloaded: the OpenCL platform bears a name that nobody knows; where CRASH is set, its compiler ends the process, and
+// where IDLE is set, kernels do nothing.
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -27,4 +28,16 @@ __attribute__((visibility("default"))) cl_int clBuildProgram(cl_program program,
   if (!next) *(void**)&next = dlsym(RTLD_NEXT, "clBuildProgram");
   if (getenv("CRASH")) *(volatile int*)NULL = 0;  // no raise(): signals are held meanwhile
   return next(program, count, devices, options, notify, user);
+}
+
+__attribute__((visibility("default"))) cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel,
+                                                                     cl_uint axes, const size_t* from,
+                                                                     const size_t* global, const size_t* local,
+                                                                     cl_uint waits, const cl_event* wait_for,
+                                                                     cl_event* event) {
+  static cl_int (*next)(cl_command_queue, cl_kernel, cl_uint, const size_t*, const size_t*, const size_t*, cl_uint,
+                        const cl_event*, cl_event*) = NULL;
+  if (!next) *(void**)&next = dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
+  if (getenv("IDLE")) return clEnqueueMarkerWithWaitList(queue, waits, wait_for, event);
+  return next(queue, kernel, axes, from, global, local, waits, wait_for, event);
 }
