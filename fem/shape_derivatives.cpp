@@ -5,8 +5,6 @@
 #include <functional>
 #include <numbers>
 
-#include "fem/measured_profile.h"
-
 namespace tactel::fem {
 namespace {
 
@@ -20,7 +18,6 @@ struct Number {
   std::function<double(double r)> height;
 };
 
-double tan_half(const Wedge& s) { return std::tan(s.edge_angle / 2 * degree); }
 double beyond(double r, double half_width) { return std::max(0.0, r - half_width); }
 double coefficient(const Taylor& s, std::size_t i) { return s.coefficients.empty() ? 1 : s.coefficients[i]; }
 
@@ -71,33 +68,6 @@ std::vector<Number> numbers(const Taylor& s) {
   return all;
 }
 
-/// dy/dr at distance r > 0.
-double slope(const Flat&, double) { return 0; }
-double slope(const Wedge& s, double) { return 1 / tan_half(s); }
-double slope(const Parabola& s, double r) { return r / s.radius; }
-double slope(const Cylinder& s, double r) { return r / std::sqrt((s.radius - r) * (s.radius + r)); }
-double slope(const Exponential& s, double r) { return s.height * s.rate * std::exp(s.rate * r); }
-double slope(const Trapezoid& s, double r) { return r > s.half_width ? s.slope : 0; }
-double slope(const RoundedFlat& s, double r) { return beyond(r, s.half_width) / s.radius; }
-double slope(const Taylor& s, double r) {
-  double sum = 0;
-  for (std::size_t i = 0; i < s.powers.size(); ++i)
-    sum += coefficient(s, i) * s.powers[i] * std::pow(r / s.scale, s.powers[i] - 1) / s.scale;
-  return s.height.value_or(s.scale) * sum;
-}
-
-/// dy/dx of a measured profile at signed distance d from its position: the segment's, and the mean of both at a corner.
-double measured_slope(const Profile& hull, double d) {
-  for (std::size_t i = 1; i < hull.x.size(); ++i) {
-    const double here = (hull.y[i] - hull.y[i - 1]) / (hull.x[i] - hull.x[i - 1]);
-    if (d < hull.x[i - 1]) return 0;
-    if (d < hull.x[i]) return here;
-    if (d == hull.x[i])
-      return i + 1 < hull.x.size() ? (here + (hull.y[i + 1] - hull.y[i]) / (hull.x[i + 1] - hull.x[i])) / 2 : here;
-  }
-  return 0;
-}
-
 }  // namespace
 
 std::vector<HeightDerivative> height_derivatives(const Indenter& indenter, const Eigen::VectorXd& x) {
@@ -110,29 +80,6 @@ std::vector<HeightDerivative> height_derivatives(const Indenter& indenter, const
     all.push_back({number.key, number.value, number.unit, by});
   }
   return all;
-}
-
-Eigen::VectorXd profile_slopes(const Indenter& indenter, const Eigen::VectorXd& x) {
-  const Eigen::VectorXd height = profile_heights(indenter, x);
-  const auto slopes = [&](const auto& at) {
-    Eigen::VectorXd result(x.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i) result[i] = std::isfinite(height[i]) ? at(x[i] - indenter.position) : 0;
-    return result;
-  };
-  if (const auto measured = std::get_if<Profile>(&indenter.shape)) {
-    const Profile hull = convex_profile(*measured);
-    return slopes([&](double d) { return measured_slope(hull, d); });
-  }
-  return slopes([&](double d) {
-    if (d == 0) return 0.0;
-    const auto at = [&](const auto& s) -> double {
-      if constexpr (std::is_same_v<std::decay_t<decltype(s)>, Profile>)
-        return 0;
-      else
-        return slope(s, std::abs(d));
-    };
-    return std::copysign(std::visit(at, indenter.shape), d);
-  });
 }
 
 }  // namespace tactel::fem

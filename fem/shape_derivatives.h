@@ -21,8 +21,4 @@ struct HeightDerivative {
 /// derivative is that from inside.
 std::vector<HeightDerivative> height_derivatives(const Indenter& indenter, const Eigen::VectorXd& x);
 
-/// Returns the slope of the profile at x [places] mm, no unit: minus its derivative by the indenter's position. 0
-/// beyond the indenter and at the lowest point of a pointed shape.
-Eigen::VectorXd profile_slopes(const Indenter& indenter, const Eigen::VectorXd& x);
-
 }  // namespace tactel::fem

@@ -70,24 +70,23 @@ Json error_json(const ExpectedError& error, bool of_pad) {
 
 Json derivatives_json(const ContactDerivatives& derivatives) {
   Json parameters = Json::array(), missing = Json::array(), steps = Json::array();
-  for (const fem::SceneParameter& p : derivatives.parameters)
+  for (const SceneParameter& p : derivatives.parameters)
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
-  for (const fem::NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
+  for (const NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
   for (std::size_t k = 0; k < derivatives.distance_to_switch.size(); ++k) {
     Json& step = steps.emplace_back();
     step["distance_to_switch"] = derivatives.distance_to_switch[k];
-    const auto add = [&](const char* key, const auto& number) {  // [parameters]
-      Json all = Json::array();
-      for (const std::vector<fem::PathAnswer>& by : derivatives.by) all.push_back(json_of(number(by[k])));
-      step[key] = std::move(all);
+    const auto add = [&](const char* key, const auto member) {  // [parameters]
+      Json& all = step[key] = Json::array();
+      for (const std::vector<fem::ContactStep>& by : derivatives.by) all.push_back(json_of(by[k].*member));
     };
-    add("P", [](const fem::PathAnswer& a) { return a.P; });
-    add("Q", [](const fem::PathAnswer& a) { return a.Q; });
-    add("slip_index", [](const fem::PathAnswer& a) { return a.S; });
-    add("indentation", [](const fem::PathAnswer& a) { return a.depth; });
-    add("tangential", [](const fem::PathAnswer& a) { return a.x; });
-    add("sigma_y", [](const fem::PathAnswer& a) { return Eigen::VectorXd(a.frame.head(a.frame.size() / 2)); });
-    add("tau_xy", [](const fem::PathAnswer& a) { return Eigen::VectorXd(a.frame.tail(a.frame.size() / 2)); });
+    add("P", &fem::ContactStep::P);
+    add("Q", &fem::ContactStep::Q);
+    add("slip_index", &fem::ContactStep::slip_index);
+    add("indentation", &fem::ContactStep::indentation);
+    add("tangential", &fem::ContactStep::tangential);
+    add("sigma_y", &fem::ContactStep::sigma_y);
+    add("tau_xy", &fem::ContactStep::tau_xy);
   }
   return {{"parameters", std::move(parameters)},
           {"missing", std::move(missing)},

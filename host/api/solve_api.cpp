@@ -88,27 +88,27 @@ PadPath path_of(const host::PadOutcome& outcome) {
 
 Derivatives derivatives_of(const host::ContactDerivatives& from) {
   Derivatives all;
-  for (const fem::SceneParameter& p : from.parameters) {
+  for (const host::SceneParameter& p : from.parameters) {
     all.names.push_back(p.name);
     all.units.push_back(p.unit);
     all.values.push_back(p.value);
   }
-  for (const fem::NoDerivative& m : from.missing) all.missing.push_back(m.name + ": " + m.reason);
+  for (const host::NoDerivative& m : from.missing) all.missing.push_back(m.name + ": " + m.reason);
   all.distance_to_switch = from.distance_to_switch;
   all.answer_difference = from.answer_difference;
   const auto append = [](std::vector<double>& to, const auto& values) {
     to.insert(to.end(), values.begin(), values.end());
   };
   for (std::size_t k = 0; k < from.distance_to_switch.size(); ++k)
-    for (const std::vector<fem::PathAnswer>& by : from.by) {
-      const fem::PathAnswer& a = by[k];
-      all.P.push_back(a.P);
-      all.Q.push_back(a.Q);
-      all.slip_index.push_back(a.S.value_or(undefined));
-      all.indentation.push_back(a.depth);
-      all.tangential.push_back(a.x);
-      append(all.sigma_y, a.frame.head(a.frame.size() / 2));
-      append(all.tau_xy, a.frame.tail(a.frame.size() / 2));
+    for (const std::vector<fem::ContactStep>& steps : from.by) {
+      const fem::ContactStep& by = steps[k];
+      all.P.push_back(by.P);
+      all.Q.push_back(by.Q);
+      all.slip_index.push_back(by.slip_index.value_or(undefined));
+      all.indentation.push_back(by.indentation);
+      all.tangential.push_back(by.tangential);
+      append(all.sigma_y, by.sigma_y);
+      append(all.tau_xy, by.tau_xy);
     }
   return all;
 }

@@ -8,7 +8,7 @@
 #include "fem/contact_laws.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/rigid_contact.h"
-#include "fem/scene_derivatives.h"
+#include "fem/path_derivatives.h"
 #include "fem/shape_derivatives.h"
 #include "host/calibration/pad_press.h"
 #include "host/scenes/scene_source.h"
@@ -33,6 +33,15 @@ fem::Condensation rubber_at(const fem::LayerModel& model, const fem::Patch& patc
     rubber.tactel_stress = fem::without_compliance(model, moved).tactel_stress;
   }
   return rubber;
+}
+
+/// Throws PathError where the statuses of a path are not those of a solution: sweeps that have not converged, or
+/// several solutions.
+void require_solution(const fem::PathDerivatives& path) {
+  constexpr double consistent = -1e-9;  // rounding of an exact solution
+  for (const fem::PathAnswer& answer : path.answers())
+    if (!(answer.distance_to_switch >= consistent))
+      throw fem::PathError("the statuses of its elements do not solve the contact");
 }
 
 }  // namespace
@@ -102,7 +111,7 @@ PressFrames LinePress::stresses(const SensorState& state, double friction, std::
                                    .mu = std::min(scene.friction, fem::largest_friction),
                                    .young = scene.sensor.young,
                                    .increments = trace.increments});
-  fem::require_solution(path);
+  require_solution(path);
   const auto steps = static_cast<Eigen::Index>(path.answers().size());
   const auto table = [&](const std::vector<fem::PathAnswer>& answers, Eigen::MatrixXd& frame, Eigen::VectorXd& P) {
     frame.resize(steps, rubber.tactel_stress.rows());

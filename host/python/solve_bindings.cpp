@@ -50,8 +50,7 @@ auto derivative_grid(std::vector<double> Derivatives::*numbers, bool of_tactels)
 }
 
 void bind_derivatives(py::module_& m) {
-  py::class_<Derivatives>(m, "Derivatives",
-                          "Derivatives of an answer by the numbers of its scene, statuses fixed; arrays are views.")
+  py::class_<Derivatives>(m, "Derivatives", "Derivatives of an answer by the numbers of its scene; arrays are views.")
       .def_readonly("names", &Derivatives::names, "[parameters] such as \"indenter.radius\"")
       .def_readonly("units", &Derivatives::units, "[parameters] empty: none")
       .def_readonly("values", &Derivatives::values, "[parameters]")

@@ -41,7 +41,7 @@ struct ExpectedError {
   std::string finer;  ///< the model of comparison, "81 x 21"
 };
 
-/// Derivatives of an answer by the numbers of its scene, with statuses fixed. Arrays have the last index fastest.
+/// Derivatives of an answer by the numbers of its scene. Arrays have the last index fastest.
 struct Derivatives {
   std::vector<std::string> names, units;        ///< [parameters] "indenter.radius"; "mm", empty: none
   std::vector<double> values;                   ///< [parameters]
@@ -50,7 +50,7 @@ struct Derivatives {
   std::vector<double> P, Q, slip_index;         ///< [steps, parameters] N/mm, N/mm, none; over the parameter's unit
   std::vector<double> indentation, tangential;  ///< [steps, parameters] mm: 0 but where forces are given
   std::vector<double> sigma_y, tau_xy;          ///< [steps, parameters, tactels] MPa
-  double answer_difference = 0;  ///< of S, between the answer and the exact fp64 path that was differentiated
+  double answer_difference = 0;  ///< of S, between the answer and the exact fp64 one that was differentiated
 };
 
 /// What solve() keeps for pages and fields. Copies share it.
