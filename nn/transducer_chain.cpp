@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fem/value_error.h"
+#include "nn/charge_amplifier.h"
 #include "nn/philox.h"
 
 namespace tactel::nn {
@@ -50,13 +51,11 @@ std::uint64_t instance_of(const Transducer& t, std::uint64_t contact) {
   return std::uint64_t{words(t.seed, RandomStream::instance, contact, 0)[0]} * t.instances >> 32;
 }
 
-/// tau y' + y = tau x' for x that grows evenly between samples, exactly: y_k = e y_{k-1} + (tau / h)(1 - e)(x_k -
-/// x_{k-1}), e = exp(-h / tau), x and y zero before the first.
-std::vector<double> high_pass(double tau, double h, const std::vector<double>& x) {
-  const double decay = std::exp(-h / tau), pass = tau / h * (1 - decay);
-  std::vector<double> y(x.size());
-  for (std::size_t k = 0; k < x.size(); ++k) y[k] = (k ? decay * y[k - 1] : 0) + pass * (x[k] - (k ? x[k - 1] : 0));
-  return y;
+/// Readings of a charge amplifier, or what of x has not yet arrived of a late share.
+std::vector<double> high_pass(double tau, double h, std::vector<double> x) {
+  ChargeAmplifier amplifier(tau, h);
+  for (double& each : x) each = amplifier(each);
+  return x;
 }
 
 double unit(std::uint32_t word) { return ((word >> 9) + 0.5) * 0x1p-23; }

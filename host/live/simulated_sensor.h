@@ -9,9 +9,9 @@
 #include "fem/contact_solution.h"
 #include "host/answers/solve.h"
 #include "host/live/sensor_profile.h"
-#include "hw/charge_amplifier.h"
 #include "hw/frame_source.h"
 #include "hw/generic_format.h"
+#include "nn/charge_amplifier.h"
 
 namespace tactel::host {
 
@@ -87,11 +87,11 @@ class SimulatedSensor final : public hw::FrameSource {
 
   ScenePlay play_;
   SimulationOptions options_;
-  hw::Converter converter_;
+  nn::Converter converter_;
   hw::GenericLayout layout_;
   std::mt19937_64 random_;
   std::vector<double> gain_;  ///< [channels]
-  std::vector<hw::ChargeAmplifier> amplifiers_;
+  std::vector<nn::ChargeAmplifier> amplifiers_;
   Eigen::VectorXd stress_;
   std::vector<double> codes_;
   std::vector<std::uint8_t> packet_;

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "host/studies/paper/real_sensor_report.h"
-#include "hw/charge_amplifier.h"
+#include "nn/charge_amplifier.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace tactel::host {
@@ -111,8 +111,8 @@ TEST(HandPress, SampleHasTheStrongestCompressionOfAnyTransducer) {
 /// What the amplifiers and converter of live frames make of a press, at the sample that shows the highest stress.
 std::vector<double> sample_of_live_chain(const std::vector<float>& stress, int channels,
                                          const RealSensorChoice& choice) {
-  const hw::Converter converter{.bits = choice.chain.bits, .full_scale = choice.chain.range};
-  std::vector<hw::ChargeAmplifier> amplifiers(channels, {choice.chain.time_constant, 1 / choice.record.rate});
+  const nn::Converter converter{.bits = choice.chain.bits, .full_scale = choice.chain.range};
+  std::vector<nn::ChargeAmplifier> amplifiers(channels, {choice.chain.time_constant, 1 / choice.record.rate});
   std::vector<double> best(channels, 0), now(channels);
   for (std::size_t at = 0; at < stress.size(); at += channels) {
     for (int c = 0; c < channels; ++c) now[c] = (converter(amplifiers[c](stress[at + c])) - 2048) * converter.step();

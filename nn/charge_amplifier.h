@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace tactel::hw {
+namespace tactel::nn {
 
 /// A charge amplifier with a resistance in parallel to its capacity (the paper, section III). The reading of a
 /// constant stress decays with the time constant RC: v' = x' - v / RC. The solution is exact for an input that is
@@ -28,4 +28,4 @@ struct Converter {
   int operator()(double stress) const;  ///< nearest code, clipped at full scale. NaN reads as no stress
 };
 
-}  // namespace tactel::hw
+}  // namespace tactel::nn

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/charge_amplifier.h"
+#include "nn/charge_amplifier.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace tactel::hw {
+namespace tactel::nn {
 
 ChargeAmplifier::ChargeAmplifier(double time_constant, double sample_time) {
   const double x = sample_time / time_constant;
@@ -28,4 +28,4 @@ int Converter::operator()(double stress) const {
   return static_cast<int>(std::clamp(code, 0.0, 2.0 * zero() - 1));
 }
 
-}  // namespace tactel::hw
+}  // namespace tactel::nn

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/charge_amplifier.h"
+#include "nn/charge_amplifier.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace tactel::hw {
+namespace tactel::nn {
 namespace {
 
 // The recursion is exact for such inputs; what remains is the rounding of 300 steps (300 x 1.1e-16).
@@ -56,4 +56,4 @@ TEST(Converter, ErrsByHalfAStepAtMost) {
 }
 
 }  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::nn
