@@ -23,25 +23,19 @@ constexpr double first_panel = 1e-4;
 double layer_cy(double poisson) { return 2 * (1 - poisson * poisson) / pi; }
 double layer_cx(double poisson) { return (1 + poisson) / pi; }
 
-LayerKernels::LayerKernels(double poisson) : LayerKernels(poisson, layer_transforms, 1, 1 - 2 * poisson) {}
-
-LayerKernels LayerKernels::by_poisson(double poisson) { return {poisson, layer_transforms_by_poisson, 0, -2}; }
-
-LayerKernels::LayerKernels(double poisson, Transforms transforms, double log_part, double compressible)
-    : poisson_(poisson), log_part_(log_part), compressible_(compressible) {
+LayerKernels::LayerKernels(double poisson) : poisson_(poisson), compressible_(1 - 2 * poisson) {
   for (const auto& [a, weight] : points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel)) {
     const double falling = std::expm1(-a), smooth = weight / a, base = weight / pi;
-    const LayerTransforms t = transforms(poisson, a);
+    const LayerTransforms t = layer_transforms(poisson, a);
     wave_.push_back({a,
-                     {smooth * (t.yy + log_part * falling), smooth * (t.xx + log_part * falling),
-                      smooth * (t.xy + compressible * falling)},
+                     {smooth * (t.yy + falling), smooth * (t.xx + falling), smooth * (t.xy + compressible_ * falling)},
                      {base * t.sigma_by_y, base * t.tau_by_x, -base * t.tau_by_y, -base * t.sigma_by_x}});
   }
 }
 
 LayerKernelValues LayerKernels::at(double x) const {
-  const double log = std::log1p(x * x) / 2, angle = std::atan(x), log_integral = log_part_ * (x * log - x + angle);
-  LayerKernelValues sum{{log_part_ * log, log_part_ * log, -compressible_ * angle},
+  const double log = std::log1p(x * x) / 2, angle = std::atan(x), log_integral = x * log - x + angle;
+  LayerKernelValues sum{{log, log, -compressible_ * angle},
                         {log_integral, log_integral, -compressible_ * (x * angle - log)},
                         {0, 0, 0, 0},
                         {0, 0, 0, 0},

@@ -46,9 +46,6 @@ class LayerKernels {
   /// 0 <= poisson <= 1/2.
   explicit LayerKernels(double poisson);
 
-  /// Returns the derivatives of at() by Poisson's ratio, in the same form.
-  static LayerKernels by_poisson(double poisson);
-
   /// Returns the kernels at x >= 0, in units of h. They hold to some 1e-11 for x up to 100.
   LayerKernelValues at(double x) const;
 
@@ -65,11 +62,7 @@ class LayerKernels {
     BaseStress base;
   };
 
-  using Transforms = LayerTransforms (*)(double poisson, double a);
-  LayerKernels(double poisson, Transforms transforms, double log_part, double compressible);
-
-  double poisson_;
-  double log_part_, compressible_;  ///< factors of the closed form: 1 and 1 - 2 nu, or their derivatives
+  double poisson_, compressible_;  ///< nu, 1 - 2 nu
   std::vector<WaveNumber> wave_;
 };
 

@@ -38,15 +38,8 @@ Eigen::Index LayerTable::cells_over(double range) {
 LayerTable::LayerTable(double poisson, Coefficients coefficients)
     : poisson_(poisson), coefficients_(std::move(coefficients)) {}
 
-LayerTable::LayerTable(double poisson, double range) : LayerTable(LayerKernels(poisson), poisson, range) {}
-
-LayerTable LayerTable::by_poisson(double poisson, double range) {
-  LayerTable table(LayerKernels::by_poisson(poisson), poisson, range);
-  table.by_poisson_ = true;
-  return table;
-}
-
-LayerTable::LayerTable(const LayerKernels& kernels, double poisson, double range) : poisson_(poisson) {
+LayerTable::LayerTable(double poisson, double range) : poisson_(poisson) {
+  const LayerKernels kernels(poisson);
   const Eigen::Index cells = cells_over(range);
   coefficients_.resize(cells, 4 * functions);
   LayerKernelValues left = kernels.at(0);
@@ -77,40 +70,16 @@ double LayerTable::value(Function function, double x) const {
   return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
 }
 
-double LayerTable::slope(Function function, double x) const {
-  const double place = std::min(x * cells_a_thickness, static_cast<double>(cells()));
-  const Eigen::Index cell = std::min(static_cast<Eigen::Index>(place), cells() - 1);
-  const double q = place - static_cast<double>(cell);
-  const double* c = &coefficients_(cell, 4 * function);
-  return cells_a_thickness * (c[1] + q * (2 * c[2] + q * 3 * c[3]));
-}
-
 SmoothParts LayerTable::smooth_integral(double x) const {
   const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
   SmoothParts R{value(Ryy, distance), value(Rxx, distance), value(Rxy, distance)};
   if (distance > range()) {
-    const double log = by_poisson_ ? 0 : log_integral(range(), distance);
+    const double log = log_integral(range(), distance);
     R.yy += log;
     R.xx += log;
-    R.xy -= compressible() * std::numbers::pi / 2 * (distance - range());
+    R.xy -= (1 - 2 * poisson_) * std::numbers::pi / 2 * (distance - range());
   }
   return {sign * R.yy, sign * R.xx, R.xy};
-}
-
-SmoothParts LayerTable::smooth(double x) const {
-  const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
-  if (distance > range()) {
-    const double log = by_poisson_ ? 0 : std::log(distance);
-    return {log, log, -sign * compressible() * std::numbers::pi / 2};
-  }
-  return {slope(Ryy, distance), slope(Rxx, distance), sign * slope(Rxy, distance)};
-}
-
-BaseStress LayerTable::base_slope(double x) const {
-  const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
-  if (distance > range()) return {0, 0, 0, 0};
-  return {sign * slope(base_sigma_by_y, distance), sign * slope(base_tau_by_x, distance),
-          slope(base_tau_by_y, distance), slope(base_sigma_by_x, distance)};
 }
 
 BaseStress LayerTable::base(double x) const {

@@ -41,9 +41,6 @@ class LayerTable {
   /// 0 <= poisson <= 1/2; `range` in units of h.
   explicit LayerTable(double poisson, double range = default_range);
 
-  /// Returns the table of the derivatives by Poisson's ratio of all functions.
-  static LayerTable by_poisson(double poisson, double range = default_range);
-
   /// Of coefficients as coefficients() returned them.
   LayerTable(double poisson, Coefficients coefficients);
 
@@ -59,26 +56,16 @@ class LayerTable {
   /// e^(-0.75 x)), which gives R in closed form.
   SmoothParts smooth_integral(double x) const;
 
-  /// Returns the slope of smooth_integral at any x: s of layer_kernels.h.
-  SmoothParts smooth(double x) const;
-
   /// Return the base stresses at any x, in units of h, and their integrals from 0 to x; 1/mm times h.
   BaseStress base(double x) const;
   BaseStress base_integral(double x) const;
 
-  /// Returns the slopes of base() at any x.
-  BaseStress base_slope(double x) const;
-
  private:
   LayerTable() = default;
-  LayerTable(const LayerKernels& kernels, double poisson, double range);
   double value(Function function, double x) const;
-  double slope(Function function, double x) const;
-  double compressible() const { return by_poisson_ ? -2 : 1 - 2 * poisson_; }
   double range() const { return static_cast<double>(cells()) / cells_a_thickness; }
 
   double poisson_ = 0;
-  bool by_poisson_ = false;
   Coefficients coefficients_;
 };
 

@@ -33,7 +33,4 @@ struct LayerTransforms {
 /// that nothing overflows.
 LayerTransforms layer_transforms(double poisson, double a);
 
-/// Returns their derivatives by Poisson's ratio.
-LayerTransforms layer_transforms_by_poisson(double poisson, double a);
-
 }  // namespace tactel::fem
