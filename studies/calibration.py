@@ -3,14 +3,14 @@
 """A calibration from end to end without hardware: prints tables such as those of docs/notebook/2026-11-23-calibration.md.
 
 Simulated sensors with gains, offsets, noise and a rubber of their own send frames through an emulated USB device.
-tactel records them, tares, calibrates, and reads S of other drags with a network. The frames come from full-mesh finite
+tactel records them, tares, tactel.calibrate calibrates, and tactel reads S of other drags with a network. The frames come from full-mesh finite
 elements in finer load steps (`solve --solver full-mesh`), and from the measuring chain and the wire format below; the
 calibration fits contacts on patches. Both share the scene file and nothing else.
 
 Usage: studies/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
 --check: one sensor, a small network, and bounds on the errors; a test. The work directory keeps answers of the finite
 elements and the network. Lengths are in mm, stresses in MPa, forces in N/mm, times in s. Debian: python3-numpy,
-libumockdev-preload0."""
+python3-scipy, libumockdev-preload0."""
 import concurrent.futures
 import dataclasses
 import json
@@ -102,7 +102,14 @@ class Truth:
 
 class Chain:
     def __init__(self, options, work):
-        self.work, self.run = work, study.Program(options.build)
+        self.work, self.run, self.package = work, study.Program(options.build), options.build.resolve() / "python"
+
+    def calibrate(self, *words):
+        """python -m tactel.calibrate of the build."""
+        done = subprocess.run([sys.executable, "-m", "tactel.calibrate", *map(str, words)], capture_output=True, text=True,
+                              env={**os.environ, "PYTHONPATH": str(self.package)})
+        if done.returncode:
+            raise SystemExit(f"tactel.calibrate {' '.join(map(str, words))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
 
     def answer(self, press, rubber):
         """Stress [knots, channels], S and P [knots] of a press by the full mesh at E = 1; kept in a file."""
@@ -285,8 +292,8 @@ class Sensor:
                 text += f"begin = {[round(t - HOLD / 2 - RAMP, 4) for t in times]}\n"
                 text += f"end = {[round(t - HOLD / 2, 4) for t in times]}\n"
         self.path(f"{name}_presses.toml").write_text(text)
-        self.chain.run("calibrate", "sensor", self.path(f"{name}_presses.toml"), "--profile", self.path("factory.toml"),
-                       "--output", self.path(f"{name}.toml"), "--json", self.path(f"{name}.json"))
+        self.chain.calibrate("sensor", self.path(f"{name}_presses.toml"), "--profile", self.path("factory.toml"),
+                             "--output", self.path(f"{name}.toml"), "--json", self.path(f"{name}.json"))
         return ["--profile", self.path(f"{name}.toml")]
 
     def gain_error(self, name="calibrated"):

@@ -15,14 +15,14 @@ cmake_policy(VERSION 3.25)
 
 # Suites that need no device, by test program; all of these programs. CTest runs them without OpenCL platforms, where one that needs a
 # device fails.
-set(unit_programs fem layer pad nn hw support figures scenes calibration)
+set(unit_programs fem layer pad nn hw support figures scenes)
 set(unit_device Balance Cache CachePlace Embedded GroupSupply KernelParameters LayoutList LeftFolder Pace ThreadTeam ThreadTeamDeathTest)
 set(unit_networks OnnxFile)
 set(unit_answers Extrapolation Ladder PadConvergence PadJudge PadJudgeOf PadStrain Planner Quantities RungError SolveOptions)
 set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
 set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram Left LiveView OpenSource SensorProfile)
 set(unit_training AlarmCounting BoundReport TrainingSources)
-set(unit_api AlarmApi CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
+set(unit_api AlarmApi CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi LiveApiProfile PadSceneApi SceneApi)
 set(unit_studies HandPress InverseReport LoopDrift RealSensorPlan SceneMix TradeoffReport)
 set(unit_commands BadSceneTest CommandLine Completion DevicesCommandDeathTest GenerateOutputs Help HostileFiles Keys LiveServer Memory MonitorOptions
     Numbers ProfileFile ReadmeFiles SolveOnHost StandardError UnreadableScene Words WrongCallTest)
@@ -36,9 +36,9 @@ set(no_program DevicesCommand DevicesCommandDeathTest LiveServer)
 
 # Suites that are slow as a whole.
 set(slow ClosedForms DirectProblem EveryShape EveryShapeOnMeshA Extremes GapReferenceRandom IndependentContact InverseCommand InverseProblem
-    OverTheEnd PadCalibration PadConvergence PadReference RankTraining SaidAndMade StreamTraining)
+    OverTheEnd PadConvergence PadReference RankTraining SaidAndMade StreamTraining)
 
-foreach(program fem layer pad nn hw support figures scenes device networks contact answers calibration sets live training studies commands api)
+foreach(program fem layer pad nn hw support figures scenes device networks contact answers sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     string(REGEX REPLACE "[.<].*" "/" name "${test}")  # PREFIX/SUITE/
     string(REGEX REPLACE "^.*/(.+)/$" "\\1" suite "/${name}")

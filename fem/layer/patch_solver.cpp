@@ -70,13 +70,12 @@ class PatchWalk {
         force_(contact_.first_touch()),
         base_(model.base) {}
 
-  ContactSolution walk(Beyond& beyond, PatchTrace* trace);
+  ContactSolution walk(Beyond& beyond);
 
  private:
   void move_to(const LoadStep& target);
   bool reach_forces(bool solved);
   ContactStep step_here(Beyond& beyond) const;
-  std::vector<Trial> trial_here() const;
 
   Eigen::Vector2d last_change_ = {0, 0};  ///< of depth and x in the increment before, mm
   const PatchOptions& options_;
@@ -87,10 +86,8 @@ class PatchWalk {
   PatchContact contact_;
   PatchForceControl force_;
   const BaseStressTable& base_;
-  bool held_ = false;       ///< nothing moved in this increment
-  double entry_ratio_ = 0;  ///< of this increment, as in PathIncrement
-  bool converged_ = true;   ///< this increment and all before it
-  int sweeps_ = 0;          ///< since the last asked step
+  bool converged_ = true;  ///< this increment and all before it
+  int sweeps_ = 0;         ///< since the last asked step
 };
 
 /// One increment, as kernels/gap_sweep.cl makes it: rest where nothing moves, else a guess, sweeps, and the search for
@@ -107,10 +104,9 @@ void PatchWalk::move_to(const LoadStep& target) {
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;
-  held_ = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
-  entry_ratio_ = options_.entries && change[1] == 0 && !held_ ? ratio : 0;
+  const bool held = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
   bool solved = true;
-  if (held_) {
+  if (held) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
@@ -165,22 +161,7 @@ bool slides(const ContactStep& step) {
   return count(GapStatus::slip) > 0 && count(GapStatus::stick) == 0;
 }
 
-/// Sweeps leave open and slipping elements exactly on the bounds of their forces.
-std::vector<Trial> PatchWalk::trial_here() const {
-  const double mu = std::min(scene_.friction, largest_friction);
-  std::vector<Trial> trial(static_cast<std::size_t>(x_.size()), Trial::open);
-  for (Eigen::Index i = 0; i < x_.size(); ++i) {
-    const double n = contact_.n()[i], t = contact_.t()[i];
-    if (!(n > 0)) continue;
-    trial[static_cast<std::size_t>(i)] = std::abs(t) < mu * n ? Trial::stick
-                                         : t < 0              ? Trial::slip_minus
-                                                              : Trial::slip_plus;
-  }
-  return trial;
-}
-
-ContactSolution PatchWalk::walk(Beyond& beyond, PatchTrace* trace) {
-  if (trace) trace->increments.clear();
+ContactSolution PatchWalk::walk(Beyond& beyond) {
   ContactSolution solution;
   solution.surface_x = x_;
   solution.surface_width = Eigen::VectorXd::Constant(x_.size(), width_);
@@ -189,7 +170,6 @@ ContactSolution PatchWalk::walk(Beyond& beyond, PatchTrace* trace) {
   const LoadPath path = load_path(scene_.load);
   for (const PatchStep& increment : patch_steps(path, scene_.load, options_.increments())) {
     move_to(increment.target);
-    if (trace) trace->increments.push_back({increment.target, increment.asked, held_, entry_ratio_, trial_here()});
     if (increment.asked) {
       solution.steps.push_back(step_here(beyond));
       converged_ = solution.steps.back().converged;
@@ -214,15 +194,14 @@ Patch grown(const Patch& patch, int beyond_left, int beyond_right, const PatchLi
 
 PatchSolver::PatchSolver(const LayerModel& model, const PatchOptions& options) : model_(model), options_(options) {}
 
-ContactSolution PatchSolver::solve_on(const Patch& patch, const Scene& scene, PatchTrace* trace) const {
+ContactSolution PatchSolver::solve_on(const Patch& patch, const Scene& scene) const {
   scene.validate();
   require_sensor_of(model_, scene.sensor);
   Beyond beyond;
-  if (trace) trace->patch = patch;
-  return PatchWalk(model_, options_, patch, scene).walk(beyond, trace);
+  return PatchWalk(model_, options_, patch, scene).walk(beyond);
 }
 
-ContactSolution PatchSolver::solve(const Scene& scene, PatchTrace* trace) const {
+ContactSolution PatchSolver::solve(const Scene& scene, Patch* last) const {
   scene.validate();
   require_sensor_of(model_, scene.sensor);
   Scene own = scene;
@@ -231,8 +210,8 @@ ContactSolution PatchSolver::solve(const Scene& scene, PatchTrace* trace) const 
   const PatchLimits limits = patch_limits(own);
   for (int growths = 0;; ++growths) {
     Beyond beyond;
-    if (trace) trace->patch = patch;
-    ContactSolution solution = PatchWalk(model_, options_, patch, own).walk(beyond, trace);
+    if (last) *last = patch;
+    ContactSolution solution = PatchWalk(model_, options_, patch, own).walk(beyond);
     if (!beyond.any() || growths == options_.most_growths) return solution;
     patch = grown(patch, beyond.left, beyond.right, limits);
   }

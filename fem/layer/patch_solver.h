@@ -5,15 +5,8 @@
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/patch_contact.h"
 #include "fem/layer/patch_search.h"
-#include "fem/path_derivatives.h"
 
 namespace tactel::fem {
-
-/// The patch of a solved scene, and the statuses along its path.
-struct PatchTrace {
-  Patch patch;
-  std::vector<PathIncrement> increments;
-};
 
 /// Contact on a scene's own patch, fp64, one scene at a time: the twin of the patch kernel. It shares the algorithm
 /// with the kernel, but no code. Block Gauss-Seidel over the elements, left to right, relaxed (patch_laws.h); the
@@ -26,11 +19,11 @@ class PatchSolver {
   /// Solves a scene on the model's sensor; E and the mesh may differ. Nodes of the answer are the elements of the patch
   /// (surface_x: their middles). The base is one node, which bears the sums of the forces. Throws ValueError for an
   /// invalid scene, std::invalid_argument for another sensor.
-  /// Where `trace` is given it takes the last patch and all increments, those between the load's included.
-  ContactSolution solve(const Scene& scene, PatchTrace* trace = nullptr) const;
+  /// Where `last` is given it takes the last patch.
+  ContactSolution solve(const Scene& scene, Patch* last = nullptr) const;
 
   /// The same on a given patch, which does not grow.
-  ContactSolution solve_on(const Patch& patch, const Scene& scene, PatchTrace* trace = nullptr) const;
+  ContactSolution solve_on(const Patch& patch, const Scene& scene) const;
 
   const PatchOptions& options() const { return options_; }
 

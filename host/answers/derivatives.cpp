@@ -138,18 +138,18 @@ Exact exact_patch(fem::Scene scene, const Rung& rung) {
                                   .pressing_increments = rung.steps,
                                   .most_sweeps = 20000};
   const auto model = std::make_shared<const fem::LayerModel>(model_of(scene.sensor));
-  fem::PatchTrace trace;
-  Exact exact{scene, fem::PatchSolver(*model, options).solve(scene, &trace), {}, {}};
-  exact.compliance = fem::patch_condensation(*model, trace.patch).compliance;
-  exact.solve = [=, patch = trace.patch](const fem::Scene& beside) {
+  fem::Patch patch;
+  Exact exact{scene, fem::PatchSolver(*model, options).solve(scene, &patch), {}, {}};
+  exact.compliance = fem::patch_condensation(*model, patch).compliance;
+  exact.solve = [=](const fem::Scene& beside) {
     const fem::Patch moved = moved_patch(patch, scene.indenter, beside.indenter);
     if (same_rubber(beside.sensor, scene.sensor)) return fem::PatchSolver(*model, options).solve_on(moved, beside);
     return fem::PatchSolver(model_of(beside.sensor), options).solve_on(moved, beside);
   };
   if (const auto* flat = std::get_if<fem::Flat>(&scene.indenter.shape)) {
-    if (trace.patch.reaches_left || trace.patch.reaches_right)
+    if (patch.reaches_left || patch.reaches_right)
       exact.missing["indenter.position"] = "the flat reaches an end of the sensor";
-    if (flat->half_width && !(trace.patch.edge_left && trace.patch.edge_right))
+    if (flat->half_width && !(patch.edge_left && patch.edge_right))
       exact.missing["indenter.half_width"] = "an edge of the flat lies beyond the sensor";
   }
   return exact;

@@ -200,6 +200,22 @@ struct FrameSource::State {
   bool handed_out = false;  ///< the oldest frame is the user's
 };
 
+DeviceProfile read_profile(const std::string& name) {
+  return api::with_public_errors([&] {
+    const host::SensorProfile read = host::read_profile(name);
+    const hw::Calibration& calibration = read.map.calibration;
+    DeviceProfile profile{.text = read.text,
+                          .channel = {},
+                          .offset = calibration.offset,
+                          .gain = calibration.gain,
+                          .noise = calibration.noise,
+                          .pads = {}};
+    for (std::size_t i = 0; i < read.map.places(); ++i) profile.channel.push_back(read.map.channel(i));
+    for (const host::PadLayout& pad : read.pads) profile.pads.push_back(pad.tactels);
+    return profile;
+  });
+}
+
 FrameSource FrameSource::open(const std::string& source, const std::string& profile, const std::string& calibration) {
   return api::with_public_errors([&] {
     host::OpenSource opened = host::open_source(source, profile, calibration);

@@ -55,11 +55,9 @@ void calibrate_bounds(std::span<NamedNetwork> networks, const std::string& file,
 }
 
 void add_calibrate_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "plan presses, calibrate a sensor by them, or renew the conformal bound of a network");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "renew the conformal bound of a network; of sensors: python -m tactel.calibrate");
   command->require_subcommand(1);
-  add_calibrate_plan_command(*command, action);
-  add_calibrate_sensor_command(*command, action);
   auto request = std::make_shared<CalibrateBoundRequest>();
   CLI::App* bound = command->add_subcommand("bound", "renew the conformal bound of a network by the rows of a set");
   bound

@@ -17,8 +17,6 @@ void add_check_command(CLI::App& app, Action& action);
 void add_train_command(CLI::App& app, Action& action);
 void add_recall_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
-void add_calibrate_plan_command(CLI::App& calibrate, Action& action);
-void add_calibrate_sensor_command(CLI::App& calibrate, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 void add_tradeoff_command(CLI::App& app, Action& action);
 void add_extremes_command(CLI::App& app, Action& action);

@@ -69,8 +69,8 @@ struct OptionGroup {
 /// means something else in one command names its group itself.
 constexpr std::array<OptionGroup, 8> option_groups = {{
     {"Input",
-     "--source --profile --calibration --seconds --late --drift --stream --rows --block --scene --candidates "
-     "--presses --noise --target --magnitude --without-force --scenes --seed --pads --quick "},
+     "--source --profile --calibration --seconds --late --drift --stream --rows --block --noise "
+     "--target --magnitude --scenes --seed --pads --quick "},
     {"Output",
      "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --serve-host --stresses "
      "--every --frames "
@@ -105,14 +105,12 @@ std::string_view group_of(const CLI::Option* option) {
 }
 
 /// A call of every command that a user may copy. `examples/` is in the source tree, and in the packages.
-constexpr std::array<std::string_view, 16> examples = {
+constexpr std::array<std::string_view, 14> examples = {
     "solve examples/parabola.toml --html parabola.html",
     "generate examples/random_sweep.toml --output random.h5",
     "check random.h5",
     "train random.h5 --output networks --schedule batch",
     "recall networks recall.h5 --html recall.html",
-    "calibrate plan board.toml --scene press.toml --output plan.toml",
-    "calibrate sensor plan.toml --profile board.toml --output new.toml",
     "calibrate bound networks/bound.onnx other_seed.h5",
     "monitor --source usb:glove --network slip.onnx --view",
     "record --source usb:glove --output frames.tactel --seconds 10",

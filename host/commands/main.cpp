@@ -35,7 +35,10 @@ void show_messages(const CLI::App& command) {
 }
 
 constexpr std::pair<std::string_view, std::string_view> moved_to_python[] = {
-    {"floor", "tactel.floor"}, {"import-network", "tactel.import_network"}};
+    {"floor", "tactel.floor"},
+    {"import-network", "tactel.import_network"},
+    {"calibrate plan", "tactel.calibrate plan"},
+    {"calibrate sensor", "tactel.calibrate sensor"}};
 
 /// The exit code of a run, after all that it printed is out.
 int finished(int code) {
@@ -73,9 +76,9 @@ bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> wo
   if (known.empty() || app.get_option_no_throw(word) != nullptr) return false;
   if (holds(known, word)) return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
   for (const auto& [moved, module] : moved_to_python)
-    if (word == moved) {
+    if (called(app) + " " + word == fmt::format("tactel {}", moved)) {
       complain(wrong_input,
-               fmt::format("command line: command = {}: belongs to the Python package; python -m {}", word, module));
+               fmt::format("command line: command = {}: belongs to the Python package; python -m {}", moved, module));
       return true;
     }
   complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word,
@@ -83,7 +86,7 @@ bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> wo
   return true;
 }
 
-/// The command that was typed: plan of `tactel calibrate plan`.
+/// The command that was typed: bound of `tactel calibrate bound`.
 const CLI::App& chosen(const CLI::App& app) {
   const auto commands = app.get_subcommands();
   return commands.empty() ? app : chosen(*commands.front());

@@ -13,7 +13,7 @@ namespace tactel::host {
 /// "8 to 100000" of CLI11's type "UINT:INT in [8 - 100000]"; empty of others.
 std::string range_in(const std::string& type);
 
-/// "tactel calibrate plan": a command as a user writes it.
+/// "tactel calibrate bound": a command as a user writes it.
 std::string called(const CLI::App& command);
 
 /// "--html" of each option.

@@ -129,7 +129,7 @@ void DriftWatch::tell(Drift::Kind kind, std::vector<Finding> findings, std::vect
   if (kind == Drift::Kind::offset)
     drift.text = fmt::format(
         "the offset moved, by {:.1f} times the noise: {}; tare again with nothing touching (tactel tare); where that "
-        "does not last, calibrate again (tactel calibrate sensor)",
+        "does not last, calibrate again (python -m tactel.calibrate)",
         drift.size, names);
   else if (kind == Drift::Kind::noise)
     drift.text = fmt::format(
@@ -138,8 +138,9 @@ void DriftWatch::tell(Drift::Kind kind, std::vector<Finding> findings, std::vect
         drift.size, names);
   else
     drift.text = fmt::format(
-        "the reading has not changed for {:.0f} s: {}; check cable and channel; calibrate again after a repair (tactel "
-        "calibrate sensor)",
+        "the reading has not changed for {:.0f} s: {}; check cable and channel; calibrate again after a repair (python "
+        "-m "
+        "tactel.calibrate)",
         drift.size, names);
   found.push_back(std::move(drift));
 }

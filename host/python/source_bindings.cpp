@@ -94,6 +94,11 @@ void bind_sources(py::module_& m) {
       .def_property_readonly("note", [](Source& source) { return source.open().note(); })
       .def_property_readonly("counts", &counts_of,
                              "frames, lost, bad, resynchronised, overruns, stalls, errors, reconnects");
+  m.def("_read_profile", [](const std::string& name) {
+    const DeviceProfile read = read_profile(name);
+    return py::dict("text"_a = read.text, "channel"_a = read.channel, "offset"_a = read.offset, "gain"_a = read.gain,
+                    "noise"_a = read.noise, "pads"_a = read.pads);
+  });
   m.def(
       "open_sensor",
       [](const std::string& source, const FileName& profile, const FileName& calibration) {

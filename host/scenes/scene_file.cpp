@@ -22,7 +22,7 @@ const std::string left_out_of_a_line = std::string("left out: it ") + of_a_pad;
 void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usual) {
   TomlTable in(file, "sensor");
   if (in.read_choice("kind", sensor_kinds) == 1u)
-    in.refuse("kind", "\"line\" here: scenes of pads are for solve, simulate: and calibrate sensor");
+    in.refuse("kind", "\"line\" here: scenes of pads are for solve, simulate: and tactel.calibrate");
   in.refuse_any({"pitch", "tactel_size", "axes", "width"}, left_out_of_a_line);
   const bool names_mesh = std::ranges::any_of(std::array{"columns", "rows", "grading", "element", "stress"},
                                               [&](const char* key) { return in.has(key); });

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -146,6 +147,18 @@ TEST_F(LiveApi, APadHasAllNormalStressesThenShearAlongXThenAlongY) {
     EXPECT_FLOAT_EQ(frame.stress[32 + i] / frame.stress[0], -static_cast<float>(3 * i + 1) / 2);
   }
   EXPECT_NE(source.note().find("no zero"), std::string::npos) << source.note();
+}
+
+TEST(LiveApiProfile, TellsChannelsAndCalibration) {
+  const DeviceProfile pad = read_profile("uskin-4x4");  // lines of x, y, z of each tactel; a pressed one counts upwards
+  ASSERT_EQ(pad.channel.size(), 48u);
+  EXPECT_EQ((std::vector{pad.channel[1], pad.channel[17], pad.channel[33]}), (std::vector{5, 3, 4}));
+  EXPECT_LT(pad.gain[2], 0);
+  EXPECT_GT(pad.gain[0], 0);
+  EXPECT_TRUE(pad.noise.empty());
+  EXPECT_EQ(pad.pads, (std::vector<std::array<int, 2>>{{4, 4}}));
+  EXPECT_NE(pad.text.find("uSkin 4 x 4"), std::string::npos);
+  EXPECT_THROW(read_profile("no/profile.toml"), InputError);
 }
 
 TEST_F(LiveApi, PollsWithoutAllocation) {

@@ -70,9 +70,8 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
 }
 
 std::vector<std::string> every_command() {
-  return {"solve",           "generate", "check",  "train", "recall",    "calibrate plan", "calibrate sensor",
-          "calibrate bound", "monitor",  "record", "tare",  "reproduce", "tradeoff",       "extremes",
-          "devices",         "demo"};
+  return {"solve",  "generate", "check",     "train",    "recall",   "calibrate bound", "monitor",
+          "record", "tare",     "reproduce", "tradeoff", "extremes", "devices",         "demo"};
 }
 
 ChildResult help_of(const std::string& command) {
@@ -188,10 +187,9 @@ TEST(Completion, GoesOnAfterAnOptionWithoutValue) {
 }
 
 TEST(Completion, KnowsTheCommandsOfACommand) {
-  EXPECT_EQ(completed("calibrate ''", 2), "plan sensor bound\n");
-  EXPECT_EQ(completed("help calibrate se", 3), "sensor\n");
-  EXPECT_EQ(completed("calibrate sensor --pl", 3), "--plot\n");
-  EXPECT_EQ(completed("calibrate sensor --profile examples/par", 4), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("calibrate ''", 2), "bound\n");
+  EXPECT_EQ(completed("help calibrate bo", 3), "bound\n");
+  EXPECT_EQ(completed("calibrate bound --le", 3), "--level\n");
 }
 
 // Each option that a help shows is offered.

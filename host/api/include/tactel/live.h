@@ -2,6 +2,7 @@
 #pragma once
 #include <tactel/train.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -71,6 +72,16 @@ struct Channels {
   std::vector<int> normal, shear;    ///< [tactels] channel; -1: none, the stress is 0
   std::vector<double> offset, gain;  ///< [channels] reading at rest; MPa by the device's unit. Empty: 0 and 1
 };
+
+/// What a device profile says of the channels of a frame.
+struct DeviceProfile {
+  std::string text;                         ///< the file
+  std::vector<int> channel;                 ///< [inputs of a frame] channel; -1: none, the stress is 0
+  std::vector<double> offset, gain, noise;  ///< [channels] as in the file; no noise: not known
+  std::vector<std::array<int, 2>> pads;     ///< tactels along x and y of each pad; none: a line
+};
+/// Reads a profile file, or takes a built-in one: "glove", "uskin-4x4", "uskin-4x6". Throws InputError.
+TACTEL_API DeviceProfile read_profile(const std::string& name);
 
 /// A frame as networks take it.
 struct Frame {
