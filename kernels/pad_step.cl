@@ -229,6 +229,9 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
     rows[STEP_RESULT_SOLVES] = by_wrench ? w->solves.v[v] : PICK(s->sweeps.v[v] > 0, ALL_LANES(1), ALL_LANES(0));
     rows[STEP_RESULT_SWEEPS] = s->sweeps.v[v];
     rows[STEP_RESULT_RESIDUAL] = worst;
+    vreal mean[3];
+    mean_slide(influence, c, s, v, mean);
+    EACH(k, 3) { rows[STEP_RESULT_MEAN + k] = PICK(s->sweeps.v[v] > 0, mean[k] * thickness, ALL_LANES(0)); }
     rows[STEP_RESULT_SLID] = PICK(s->sweeps.v[v] > 0, rms_slide(influence, c, v) * thickness, ALL_LANES(0));
     real number[LANES];
     for (int k = 0; k < STEP_RESULT_ROWS; ++k) {
