@@ -43,7 +43,7 @@ double HeldContact::force(std::size_t k) const {
 /// N/mm along the pad of a contact that sticks.
 double HeldContact::shear_stiffness(const HeldStep& step) const {
   const double radius = std::sqrt(step.area / std::numbers::pi), G = sensor_.young / (2 * (1 + sensor_.poisson));
-  return G * step.area / sensor_.thickness * (1 + surrounding * sensor_.thickness / radius);
+  return stiffness_ * G * step.area / sensor_.thickness * (1 + surrounding * sensor_.thickness / radius);
 }
 
 /// x, y (mm) and turn (rad) of a frame.
@@ -71,7 +71,8 @@ std::array<double, 3> HeldContact::moved(std::size_t k) const {
 
 /// Of a frame that keeps the force, opens the hand, or closes it again.
 double HeldContact::depth(std::size_t k) const {
-  const double P = last_.force[0], over = std::max(from_lowest(), 0.01 * sensor_.thickness);
+  const double P = last_.force[0], shallow = 0.01 * sensor_.thickness,
+               over = std::max(from_lowest(), hold_.rate > 0 ? std::min(shallow, 0.1 * pressed_depth_) : shallow);
   if (!(hold_.frames[k].P > 0)) return lowest_ - 0.01 * sensor_.thickness;
   if (!(hold_.frames[k - 1].P > 0)) return lowest_ + pressed_depth_ * std::pow(force(k) / pressed_.force[0], 1 / power);
   return lowest_ + over * std::pow(P > 0 ? std::clamp(force(k) / P, 0.5, 2.0) : 2.0, 1 / power);
@@ -128,7 +129,19 @@ std::array<double, 4> HeldContact::ask(std::size_t k, std::span<double> heights,
   return to;
 }
 
+/// A hand knows how stiff its contact is from how the force has grown as it took up the weight and trembled.
+void HeldContact::learn_stiffness(std::size_t k, const HeldStep& step) {
+  const bool sticks = std::hypot(step.force[1], step.force[2]) < 0.5 * friction_ * step.force[0];
+  if (!(hold_.rate > 0) || by_wrench(k) || k >= static_cast<std::size_t>(hold_.press) || !sticks) return;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const double way = step.pose[i] - last_.pose[i];
+    work_ += way * (step.force[i] - last_.force[i]), estimated_ += way * way * shear_stiffness(step) / stiffness_;
+  }
+  if (estimated_ > 0) stiffness_ = std::clamp(work_ / estimated_, 0.2, 2.0);
+}
+
 void HeldContact::take(std::size_t k, const HeldStep& step) {
+  learn_stiffness(k, step);
   const double own = limit(step);
   if (own > 0) slip_path_ += step.slip / own, slid_ += step.slides ? step.slip / own : 0;
   for (std::size_t i = 0; i < 3 && own > 0; ++i) net_slip_[i] += step.mean[i] / own;

@@ -46,6 +46,7 @@ class HeldContact {
   double depth(std::size_t k) const;
   double shear_stiffness(const HeldStep& step) const;
   std::array<double, 3> moved(std::size_t k) const;
+  void learn_stiffness(std::size_t k, const HeldStep& step);
   std::array<double, 4> pose(std::size_t k) const;
   std::array<double, 3> way_by_force(std::size_t k) const;
   double limit(const HeldStep& step) const;
@@ -66,6 +67,7 @@ class HeldContact {
   double way_ = 0;                   ///< mm: of the cells
   double slid_ = 0, slip_path_ = 0;  ///< over the elastic limit
   std::array<double, 3> net_slip_{};
+  double stiffness_ = 1, work_ = 0, estimated_ = 0;  ///< along the pad, over its estimate; N mm that it had and should
 };
 
 }  // namespace tactel::host

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
@@ -282,7 +283,8 @@ TEST_F(HoldSet, TheNetSlipOfAWholeSlideIsTheWayOfTheObject) {
   std::size_t slides = 0;
   for (std::size_t k = row(14); k < row(42); ++k) {
     most = std::max<double>(most, std::hypot(set.net_slip[2 * k], set.net_slip[2 * k + 1]));
-    if (set.stick_fraction[k - 1] > 0 || set.stick_fraction[k] > 0) continue;
+    if (std::ranges::any_of(std::span(set.stick_fraction).subspan(k - 4, 5), [](float stick) { return stick > 0; }))
+      continue;
     ++slides;
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double way = set.tangential[2 * k + axis] - set.tangential[2 * (k - 1) + axis];
@@ -308,7 +310,7 @@ TEST_F(HoldSet, TheSlideAheadIsThatOfTheNextFifthOfASecond) {
       EXPECT_TRUE(std::isnan(set.slid_ahead[row])) << row;
       continue;
     }
-    EXPECT_EQ(set.slid_ahead[row], set.slid[row + 12] - set.slid[row]) << row;
+    EXPECT_NEAR(set.slid_ahead[row], set.slid[row + 12] - set.slid[row], 1e-5) << row;
     most = std::max(most, set.slid_ahead[row]);
   }
   EXPECT_GT(most, 2);
