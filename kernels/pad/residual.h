@@ -60,29 +60,6 @@ static inline vreal rms_slide(const Influence *influence, const Cells *c, int v)
   return sqrt(sum / LARGER(touching, ALL_LANES(1))) * influence->root_tt;
 }
 
-/* The mean slide in this increment of the cells that touch, x, y, and its turn times their rms distance from their
-   middle, over H. Those that stick have none. */
-static inline void mean_slide(const Influence *influence, const Cells *c, const State *s, int v, vreal mean[3]) {
-  vreal touching = 0, X = 0, Y = 0, R2 = 0, sum_x = 0, sum_y = 0, turn = 0;
-  for (int k = 0; k < c->listed; ++k) {
-    const int i = c->list[k];
-    const real x = x_of(influence, i), y = y_of(influence, i);
-    const vreal n = c->n[i].v[v], tx = c->tx[i].v[v], ty = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n,
-                touches = PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
-    const vint slips = (n > 0) & NOT(fma(tx, tx, ty * ty) < cone * cone);
-    const vreal slip_x = PICK(slips, c->gx[i].v[v] - c->ux[i].v[v], ALL_LANES(0)),
-                slip_y = PICK(slips, c->gy[i].v[v] - c->uy[i].v[v], ALL_LANES(0));
-    touching += touches;
-    X += x * touches, Y += y * touches, R2 += (x * x + y * y) * touches;
-    sum_x += slip_x, sum_y += slip_y, turn += x * slip_y - y * slip_x;
-  }
-  const vreal per = 1 / LARGER(touching, ALL_LANES(1)), unit = per * influence->root_tt;
-  const vreal radius2 = R2 * per - (X * X + Y * Y) * per * per;
-  mean[0] = sum_x * unit, mean[1] = sum_y * unit;
-  mean[2] = (turn - (X * sum_y - Y * sum_x) * per) * unit /
-            sqrt(LARGER(radius2, ALL_LANES((real)1e-6 * influence->hx * influence->hy)));
-}
-
 /* Lanes that have settled, but whose residual is not accepted yet, go on with a finer tolerance. */
 OUTLINE void refine(const Influence *influence, const Masks *solving, real accept, const Cells *c, State *s) {
   Residual r;
