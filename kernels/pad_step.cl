@@ -192,6 +192,29 @@ static vreal place_flags(global const vreal *in, global const vreal *heights, re
          PICK(s->valid.v[v], ALL_LANES(0), ALL_LANES(STEP_INVALID));
 }
 
+/* The mean slide in this increment of the cells that touch, x, y, and its turn times their rms distance from their
+   middle, over H. Those that stick have none. */
+static inline void mean_slide(const Influence *influence, const Cells *c, const State *s, int v, vreal mean[3]) {
+  vreal touching = 0, X = 0, Y = 0, R2 = 0, sum_x = 0, sum_y = 0, turn = 0;
+  for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    const real x = x_of(influence, i), y = y_of(influence, i);
+    const vreal n = c->n[i].v[v], tx = c->tx[i].v[v], ty = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n,
+                touches = PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
+    const vint slips = (n > 0) & NOT(fma(tx, tx, ty * ty) < cone * cone);
+    const vreal slip_x = PICK(slips, c->gx[i].v[v] - c->ux[i].v[v], ALL_LANES(0)),
+                slip_y = PICK(slips, c->gy[i].v[v] - c->uy[i].v[v], ALL_LANES(0));
+    touching += touches;
+    X += x * touches, Y += y * touches, R2 += (x * x + y * y) * touches;
+    sum_x += slip_x, sum_y += slip_y, turn += x * slip_y - y * slip_x;
+  }
+  const vreal per = 1 / LARGER(touching, ALL_LANES(1)), unit = per * influence->root_tt;
+  const vreal radius2 = R2 * per - (X * X + Y * Y) * per * per;
+  mean[0] = sum_x * unit, mean[1] = sum_y * unit;
+  mean[2] = (turn - (X * sum_y - Y * sum_x) * per) * unit /
+            sqrt(LARGER(radius2, ALL_LANES((real)1e-6 * influence->hx * influence->hy)));
+}
+
 /* Rows of `result` of all lanes. */
 OUTLINE void answer(const Influence *influence, global const vreal *input, global const vreal *heights, real accept,
                     real force, real thickness, real reach, int sides, const Cells *c, const State *s, const Search *w,
@@ -229,6 +252,9 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
     rows[STEP_RESULT_SOLVES] = by_wrench ? w->solves.v[v] : PICK(s->sweeps.v[v] > 0, ALL_LANES(1), ALL_LANES(0));
     rows[STEP_RESULT_SWEEPS] = s->sweeps.v[v];
     rows[STEP_RESULT_RESIDUAL] = worst;
+    vreal mean[3];
+    mean_slide(influence, c, s, v, mean);
+    EACH(k, 3) { rows[STEP_RESULT_MEAN + k] = PICK(s->sweeps.v[v] > 0, mean[k] * thickness, ALL_LANES(0)); }
     rows[STEP_RESULT_SLID] = PICK(s->sweeps.v[v] > 0, rms_slide(influence, c, v) * thickness, ALL_LANES(0));
     real number[LANES];
     for (int k = 0; k < STEP_RESULT_ROWS; ++k) {

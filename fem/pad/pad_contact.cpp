@@ -282,6 +282,28 @@ double PadContact::slide() const {
   return touching > 0 ? std::sqrt(sum / touching) : 0;
 }
 
+Eigen::Vector3d PadContact::mean_slide() const {
+  std::vector<Eigen::Vector2d> places, slips;
+  for (int i = 0; i < cells_.count(); ++i) {
+    if (!(n_[i] > 0)) continue;
+    places.emplace_back(cells_.x(i / cells_.ny()), cells_.y(i % cells_.ny()));
+    slips.push_back(sticks(i) ? Eigen::Vector2d::Zero() : Eigen::Vector2d(slip(i).transpose()));
+  }
+  if (places.size() < 2) return slips.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(slips[0][0], slips[0][1], 0);
+  const double count = static_cast<double>(places.size());
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& place : places) middle += place / count;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double radius2 = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Eigen::Vector2d from = places[k] - middle;
+    mean += Eigen::Vector3d(slips[k][0], slips[k][1], from[0] * slips[k][1] - from[1] * slips[k][0]) / count;
+    radius2 += from.squaredNorm() / count;
+  }
+  mean[2] /= std::sqrt(radius2);
+  return mean;
+}
+
 void PadContact::add_slide() {
   const double slide = this->slide();
   slip_path_ += slide;

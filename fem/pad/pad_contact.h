@@ -106,6 +106,9 @@ class PadContact {
 
   /// Returns the rms slide in this increment of the cells that touch, mm, after solve().
   double slide() const;
+  /// Returns their mean slide x, y, and its turn times their rms distance from their middle, mm. Those that stick have
+  /// none.
+  Eigen::Vector3d mean_slide() const;
   /// Adds slide() to slip_path(), and to slid() where no cell sticks.
   void add_slide();
 

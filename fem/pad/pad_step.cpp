@@ -98,9 +98,9 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
   return s;
 }
 
-/// Returns the rms slide of the step that ends here, mm.
-double SteppedContact::end_step() {
-  const double slide = contact_->slide();
+/// Returns the rms slide of the step that ends here, and the mean, mm.
+std::pair<double, Eigen::Vector3d> SteppedContact::end_step() {
+  const std::pair slide(contact_->slide(), contact_->mean_slide());
   contact_->remember();
   return slide;
 }
@@ -109,10 +109,10 @@ SteppedState SteppedContact::move(double depth, const PadMotion& motion) {
   const Eigen::Vector4d change = change_to(*contact_, depth, motion);
   int sweeps = 0;
   const bool settled = solve(*contact_, depth, motion, sweeps);
-  const double slid = end_step();
+  const auto [slid, mean] = end_step();
   change_ = change;
   SteppedState s = state(1, sweeps, settled);
-  s.slid = slid;
+  s.slid = slid, s.mean = mean;
   return s;
 }
 
@@ -159,9 +159,9 @@ SteppedState SteppedContact::press(const PadWrench& wrench, double tolerance) {
   change_ << pose[0] - contact_->depth, pose[1] - contact_->motion[0], pose[2] - contact_->motion[1],
       lever * (pose[3] - contact_->motion[2]);
   contact_ = std::move(trial);
-  const double slid = end_step();
+  const auto [slid, mean] = end_step();
   SteppedState s = state(solves, sweeps, settled);
-  s.met &= met, s.slid = slid;
+  s.met &= met, s.slid = slid, s.mean = mean;
   return s;
 }
 

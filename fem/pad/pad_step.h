@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <memory>
+#include <utility>
 
 #include "fem/pad/pad_contact.h"
 #include "fem/pad/pad_solver.h"
@@ -22,6 +23,7 @@ struct SteppedState {
   bool met = true;      ///< the wrench, and the accepted residual
   bool slides = false;  ///< every cell that touches slips, or friction does not bear the wrench
   double slid = 0;      ///< mm: rms slide of the cells that touch in this step
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< mm: their mean slide, PadContact::mean_slide
   int solves = 0, sweeps = 0;
   PadResidual residual;
 };
@@ -51,7 +53,7 @@ class SteppedContact {
   bool solve(PadContact& contact, double depth, const PadMotion& motion, int& sweeps) const;
   PadWrench force(const PadContact& contact) const;
   SteppedState state(int solves, int sweeps, bool settled) const;
-  double end_step();
+  std::pair<double, Eigen::Vector3d> end_step();
 
   PadSensor sensor_;
   PadCells cells_;

@@ -29,7 +29,7 @@ host::ContactSet to_host(const Set& from) {
   set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
   host::each_pair(host::set_columns(set), host::set_columns(from), [&](auto& to, const auto& array) {
     const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
-    const bool directed = is(from.tangential_force) || is(from.tangential);
+    const bool directed = is(from.tangential_force) || is(from.tangential) || is(from.net_slip);
     const std::size_t numbers = from.rows() * (is(from.frames) ? from.inputs : directed && set.pad ? 2 : 1);
     if (array.size() != numbers && !array.empty())
       throw InputError("set", std::to_string(array.size()) + " numbers of an array",

@@ -122,6 +122,12 @@ void bind_set(py::module_& m) {
                              "[rows] slide as a whole since first touch over the elastic limit, of pads")
       .def_property_readonly("slip_path", column(&Set::slip_path),
                              "[rows] the cells' rms slips since first touch, summed, over that limit, of pads")
+      .def_property_readonly("net_slip", directed(&Set::net_slip),
+                             "[rows, 2] mean slips since first touch, added up, over that limit, of grips with a rate")
+      .def_property_readonly("net_turn", column(&Set::net_turn),
+                             "[rows] their turn times the contact's rms radius, the same")
+      .def_property_readonly("slid_ahead", column(&Set::slid_ahead),
+                             "[rows] how far slid grows in the next 0.2 s; NaN where the grip ends before")
       .def_property_readonly("twist", column(&Set::twist), "[rows] degrees, of pads")
       .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
       .def_property_readonly("tangential", directed(&Set::tangential),

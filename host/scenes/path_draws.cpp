@@ -30,12 +30,16 @@ Distribution DrawTable::distribution(const char* key, Distribution otherwise, do
   return read;
 }
 
-double DrawTable::probability(const char* key, double otherwise) {
+double DrawTable::number(const char* key, double otherwise, double least, double most, const char* allowed) {
   const toml::node* node = find(key);
   if (node == nullptr) return otherwise;
   const auto value = toml_number(*node);
-  if (!value || !(*value >= 0 && *value <= 1)) throw file_.error(full(key), node, "a probability, 0 to 1");
+  if (!value || !(*value >= least && *value <= most)) throw file_.error(full(key), node, allowed);
   return *value;
+}
+
+double DrawTable::probability(const char* key, double otherwise) {
+  return number(key, otherwise, 0, 1, "a probability, 0 to 1");
 }
 
 int DrawTable::whole(const char* key, int otherwise, int least, int most, const char* allowed) {

@@ -18,6 +18,7 @@ class DrawTable {
   /// Numbers from `least` to `most`, as `allowed` says.
   Distribution distribution(const char* key, Distribution otherwise, double least, double most, const char* allowed);
   double probability(const char* key, double otherwise);
+  double number(const char* key, double otherwise, double least, double most, const char* allowed);
   int whole(const char* key, int otherwise, int least, int most, const char* allowed);
   /// Returns the place of the one of two words.
   bool second(const char* key, const char* first, const char* second, bool otherwise);
@@ -40,7 +41,9 @@ inline Distribution always(double value) { return ChoiceDraw{{value}, {1}}; }
 /// The numbers of one contact, drawn one after the other.
 class PathDraws {
  public:
-  explicit PathDraws(const DrawKey& key) : key_(key) { key_.stream = nn::RandomStream::path, key_.draw = 0; }
+  explicit PathDraws(const DrawKey& key, std::uint32_t first = 0) : key_(key) {
+    key_.stream = nn::RandomStream::path, key_.draw = first;
+  }
 
   double number(const Distribution& from) {
     const double drawn = draw(from, key_);

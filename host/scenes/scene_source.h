@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -115,6 +116,10 @@ class SourceOf : public ContactSource {
   const std::optional<OwnSensors>& own_sensors() const { return own_sensors_; }
   /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
   bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }
+  /// Returns whether any of them has a rate.
+  bool has_rate() const {
+    return std::ranges::any_of(load_.alternatives, [](const auto& load) { return load.hold && load.hold->rate > 0; });
+  }
   /// Returns how contact k of such a source is gripped, at the force of its scene's load.
   Hold hold(std::uint64_t k) const;
 

@@ -69,6 +69,8 @@ struct ContactSet : SetColumns, SetCounts {
   std::vector<float> indentation;                   ///< [rows] mm: depth
   std::vector<float> torque, twist, force_ratio;    ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
   std::vector<float> slid, slip_path;               ///< [rows] of pads: nn::definition of these targets
+  std::vector<float> net_slip, net_turn;            ///< [rows, directions], [rows] of grips with a rate
+  std::vector<float> slid_ahead;                    ///< [rows] the same
   std::vector<float> friction;                      ///< [rows] mu
   std::vector<float> stick_fraction;                ///< [rows] stuck share of the contact's length or cells
   std::vector<std::uint16_t> contact_nodes;         ///< [rows] surface nodes, or cells, that touch
@@ -136,6 +138,12 @@ auto set_columns(Set& set) {
                 set.slid},
       SetColumn{"slip_path", nullptr, "1; rms slips of the cells that touch since first touch, summed, over that limit",
                 set.slip_path},
+      SetColumn{"net_slip", nullptr,
+                "1; mean slips of the cells that touch since first touch, x and y, over that limit", set.net_slip,
+                RowWidth::directions},
+      SetColumn{"net_turn", nullptr, "1; their turn times the contact's rms radius, over that limit", set.net_turn},
+      SetColumn{"slid_ahead", nullptr, "1; how far slid grows in the next 0.2 s; NaN where the grip ends before",
+                set.slid_ahead},
       SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation},
       SetColumn{"tangential", "mm; position of the indenter along x since first touch",
                 "mm; position of the indenter along x and y since first touch", set.tangential, RowWidth::directions},

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -31,6 +32,7 @@ constexpr int most_sweeps = 2000;  ///< of a pose: some need more than a simulat
 struct Kept {
   HeldStep step;
   double S = 0, stick = 0, residual = 0, slid = 0, slip_path = 0;
+  std::array<double, 3> net_slip{};
   int touch = 0, flags = 0;
 };
 
@@ -76,6 +78,7 @@ Kept kept_of(std::span<const Real> row, double cell_area) {
   kept.S = number(STEP_RESULT_S), kept.stick = number(STEP_RESULT_STICK), kept.residual = number(STEP_RESULT_RESIDUAL);
   kept.touch = static_cast<int>(number(STEP_RESULT_TOUCH)), kept.flags = static_cast<int>(number(STEP_RESULT_FLAGS));
   kept.step.area = kept.touch * cell_area;
+  for (int k = 0; k < 3; ++k) kept.step.mean[static_cast<std::size_t>(k)] = number(STEP_RESULT_MEAN + k);
   kept.step.slip = number(STEP_RESULT_SLID), kept.step.slides = kept.touch > 0 && kept.stick == 0;
   return kept;
 }
@@ -182,6 +185,7 @@ void HoldSimulator::step(const std::vector<Grip*>& grips, const std::function<bo
       Kept& kept = grips[c]->kept[k] = kept_of(results.subspan(c * STEP_RESULT_ROWS, STEP_RESULT_ROWS), cells.area());
       held[c].take(k, kept.step);
       kept.slid = held[c].slid(), kept.slip_path = held[c].slip_path();
+      kept.net_slip = held[c].net_slip();
       std::transform(frames.begin() + static_cast<std::ptrdiff_t>(c * all_inputs),
                      frames.begin() + static_cast<std::ptrdiff_t>(c * all_inputs + inputs),
                      grips[c]->frames.begin() + static_cast<std::ptrdiff_t>(k * inputs),
@@ -220,6 +224,13 @@ bool becomes_row(const Grip& grip, std::size_t k) {
   return fem::slip_index(grip.scene.friction, grip.kept[k].step.force[0], grip.kept[k].S).has_value();
 }
 
+/// How far a grip slides as a whole in the next 0.2 s, over the elastic limit; NaN where it ends before.
+double slid_ahead(const Grip& grip, std::size_t k) {
+  const auto then = k + static_cast<std::size_t>(std::lround(0.2 * grip.hold.rate));
+  if (!(grip.hold.rate > 0) || then >= grip.kept.size()) return std::numeric_limits<double>::quiet_NaN();
+  return grip.kept[then].slid - grip.kept[k].slid;
+}
+
 int HoldSimulator::outside(const Grip& grip) const {
   const bool ends = fem::has_free_sides(grip.scene.sensor);
   const bool edge = std::ranges::any_of(grip.kept, [](const Kept& kept) { return (kept.flags & STEP_EDGE) != 0; });
@@ -237,6 +248,11 @@ void HoldSimulator::put(ContactSet& set, std::size_t at, const Grip& grip, std::
   set.torque[at] = f(M);
   set.force_ratio[at] = f(std::hypot(Qx, Qy) / (grip.scene.friction * P));
   set.slid[at] = f(kept.slid), set.slip_path[at] = f(kept.slip_path);
+  if (!set.net_slip.empty()) {
+    set.net_slip[2 * at] = f(kept.net_slip[0]), set.net_slip[2 * at + 1] = f(kept.net_slip[1]);
+    set.net_turn[at] = f(kept.net_slip[2]);
+    set.slid_ahead[at] = f(slid_ahead(grip, k));
+  }
   set.indentation[at] = f(kept.step.pose[0]);
   set.tangential[2 * at] = f(kept.step.pose[1]), set.tangential[2 * at + 1] = f(kept.step.pose[2]);
   set.twist[at] = f(fem::degrees(kept.step.pose[3]));
@@ -283,7 +299,7 @@ ContactSet HoldSimulator::collect(Range& range) {
   std::size_t rows = 0;
   for (const Grip& grip : chunk.grips)
     for (std::size_t k = first_row(grip); k < grip.kept.size(); ++k) rows += becomes_row(grip, k);
-  each_column(set, [rows](const char*, auto& values, int columns, const char*) {
+  each_dataset(set, [rows](const char*, auto& values, int columns, const char*) {
     values.resize(rows * static_cast<std::size_t>(std::max(columns, 1)));
   });
   std::size_t at = 0;

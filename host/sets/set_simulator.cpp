@@ -231,7 +231,7 @@ struct StepsOfSolution {
 };
 
 void resize(ContactSet& set, std::size_t rows) {
-  each_column(set, [rows](const char*, auto& values, int columns, const char*) {
+  each_dataset(set, [rows](const char*, auto& values, int columns, const char*) {
     values.resize(rows * static_cast<std::size_t>(std::max(columns, 1)));
   });
 }
@@ -636,6 +636,7 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   }
   columns.tactel_x = source.tactel_x();
   if constexpr (!SourceOf<Scene>::of_lines) columns.tactel_y = source.tactel_y();
+  if (!source.has_rate()) columns.left_out = {"net_slip", "net_turn", "slid_ahead"};
   return columns;
 }
 

@@ -56,7 +56,8 @@ enum PadStepResultRow {
   STEP_RESULT_SWEEPS,
   STEP_RESULT_RESIDUAL, /* largest, as fem/pad/pad_contact.h */
   STEP_RESULT_SLID,     /* mm: rms slide in this step of the cells that touch */
-  STEP_RESULT_ROWS
+  STEP_RESULT_MEAN,     /* three, mm: their mean slide x, y, and its turn times their rms distance from their middle */
+  STEP_RESULT_ROWS = STEP_RESULT_MEAN + 3
 };
 enum PadStepFlag {
   STEP_OPEN = 1,     /* no cell touches */

@@ -302,6 +302,24 @@ TEST(PadStepSides, AFaceOverAllOfThePad) {
   }
 }
 
+/// A face that slides on keeps its tractions: all cells slip as it moves. Of 8 x 8 cells the rms distance from the
+/// middle is sqrt((8 8 - 1) / 6) of them.
+TEST(PadStepSides, AFaceThatSlidesHasTheMeanSlideOfItsMotion) {
+  PadStepper<double> steps(executor(), block(), 1, std::array{0.1}, {.cells = 8, .cell = 19.0 / 8, .tolerance = 1e-6});
+  const std::vector<double> heights(64, 0.0);
+  steps.set_heights(std::span<const double>(heights));
+  for (const double x : {0.0, 1.0, 2.0, 3.0}) steps.move(std::array{0.1, x, 0.5 * x, 0.0});
+  EXPECT_EQ(number(steps, 0, STEP_RESULT_STICK), 0);
+  EXPECT_NEAR(number(steps, 0, STEP_RESULT_MEAN), 1, 1e-3);
+  EXPECT_NEAR(number(steps, 0, STEP_RESULT_MEAN + 1), 0.5, 1e-3);
+  EXPECT_NEAR(number(steps, 0, STEP_RESULT_MEAN + 2), 0, 1e-3);
+  steps.reset();
+  for (const double turn : {0.0, 0.1, 0.2, 0.3}) steps.move(std::array{0.1, 0.0, 0.0, turn});
+  EXPECT_EQ(number(steps, 0, STEP_RESULT_STICK), 0);
+  EXPECT_NEAR(number(steps, 0, STEP_RESULT_MEAN), 0, 1e-3);
+  EXPECT_NEAR(number(steps, 0, STEP_RESULT_MEAN + 2) / (0.1 * 19.0 / 8 * std::sqrt(63 / 6.0)), 1, 2e-3);
+}
+
 TEST(PadStepSides, AreThoseOfTheTwin) {
   const fem::PadSensor pad = block();
   const fem::PadCells cells = fem::fixed_cells(8, 19.0 / 8);
@@ -321,6 +339,8 @@ TEST(PadStepSides, AreThoseOfTheTwin) {
         EXPECT_NEAR(number(steps, c, STEP_RESULT_P + row), state.force[row],
                     2e-4 * state.force[0] * (row == 3 ? 9.5 : 1));
       EXPECT_NEAR(number(steps, c, STEP_RESULT_SLID), state.slid, 2e-4);
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(number(steps, c, STEP_RESULT_MEAN + axis), state.mean[axis], 2e-4);
     }
     slid.push_back(state.slid);
   }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
@@ -102,12 +104,13 @@ TEST_F(HoldSet, BeyondFrictionTheObjectSlides) {
 /// pressing to 2e-3, the twin to 1e-4.
 TEST_F(HoldSet, AreThoseOfTheTwin) {
   for (const std::string by : {"motion", "force"}) {
-    const PadSource grips =
-        source(sweep(4) + rubber + face + uneven +
-               "[contact]\nfriction = { uniform = [0.4, 1] }\n[load]\nnormal_force = { uniform = [5, "
-               "20] }\n[load.hold]\nframes = 24\npress = 8\nrest = 4\nmove_frames = 6\npause = 2\nby = \"" +
-               by + "\"\nsize = { uniform = [0.2, " + (by == "motion" ? "3" : "1.2") +
-               "] }\nweight = { uniform = [0.1, 0.4] }\n");
+    const PadSource grips = source(
+        sweep(4) + rubber + face + uneven +
+        "[contact]\nfriction = { uniform = [0.4, 1] }\n[load]\nnormal_force = { uniform = [5, "
+        "20] }\n[load.hold]\nframes = 24\npress = 8\nrest = 4\nmove_frames = 6\npause = 2\nby = \"" +
+        by + "\"\nsize = { uniform = [0.2, " + (by == "motion" ? "3" : "1.2") +
+        "] }\nweight = { uniform = [0.1, 0.4] }\nrate = 60\ntremor = 0.02\nsqueeze = { uniform = [0.7, 1.5] }\n" +
+        (by == "motion" ? "swing = { uniform = [2, 10] }\nswing_radius = 3\nroll = 0.05\n" : "added_weight = 0.1\n"));
     const ContactSet set = simulate(grips, Precision::fp64);
     std::size_t row = 0;
     for (std::uint64_t c = 0; c < 4; ++c) {
@@ -128,6 +131,7 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
         for (int i = 0; i < 4; ++i) step.force[static_cast<std::size_t>(i)] = state.force[i];
         step.pose = {twin.depth(), twin.motion()[0], twin.motion()[1], twin.motion()[2]};
         step.area = state.touching * cells.area(), step.slip = state.slid, step.slides = state.slides;
+        step.mean = {state.mean[0], state.mean[1], state.mean[2]};
         held.take(k, step);
         if (k + 1 < 4) continue;
         SCOPED_TRACE(testing::Message() << by << ", grip " << c << ", frame " << k);
@@ -138,6 +142,10 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
         EXPECT_NEAR(set.tangential_force[2 * row + 1], step.force[2], 0.01 * P);
         EXPECT_NEAR(set.slip_index[row], state.slip_index, 0.02);
         EXPECT_NEAR(set.slip_path[row], held.slip_path(), 0.02 + 0.03 * held.slip_path());
+        const auto& net = held.net_slip();
+        const double allowed = 0.02 + 0.03 * held.slip_path();
+        for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(set.net_slip[2 * row + i], net[i], allowed);
+        EXPECT_NEAR(set.net_turn[row], net[2], allowed);
         ++row;
       }
     }
@@ -167,6 +175,13 @@ TEST_F(HoldSet, FramesSumToTheForce) {
   }
 }
 
+const std::string hands =
+    "rate = 60\npress = 8\ntremor = { uniform = [0.005, 0.1] }\nsqueeze = { log_uniform = [0.4, 7] }\n"
+    "squeeze_start = { uniform = [-3, 10] }\nsqueeze_alone = 0.2\nregrip = 0.2\nregrip_shift = { uniform = [0, 3] }\n";
+const std::string swings =
+    "by = \"motion\"\nswing = { uniform = [3, 60] }\nswing_radius = { uniform = [0, 6] }\nroll = { uniform = [0, 0.3] "
+    "}\n";
+
 const std::string many =
     sweep(40, "sensors = 2\n") +
     "[sensor]\nkind = \"pad\"\nlength = 18.8\nwidth = 18.8\nyoung = 0.5\npoisson = 0.48\n"
@@ -175,14 +190,180 @@ const std::string many =
     "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nframes = 60\n" +
     "[[load]]\nnormal_force = { log_uniform = [3, 25] }\n[load.hold]\nby = \"motion\"\nframes = 50\n" +
     "[transducer]\nnoise_of_largest = 0.002\nshear_gain = { log_uniform = [0.3, 3] }\n";
+/// The same as hands hold, of readings that creep and lag.
+const std::string many_hands = [] {
+  std::string text = many;
+  text.replace(text.find("by = \"motion\"\n"), 14, hands + swings);
+  text.replace(text.find("[load.hold]\n"), 12, "[load.hold]\nadded_weight = { uniform = [0, 0.3] }\n" + hands);
+  return text + "step_time = 0.016\nlag = 0.03\nlag_time = 0.1\nmemory = 0.04\nmemory_time = 2\n";
+}();
 
-TEST_F(HoldSet, RowsOfAGripDependOnTheGripAlone) {
-  const PadSource grips = source(many);
+class HoldSetOfRanges : public HoldSet, public testing::WithParamInterface<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Grips, HoldSetOfRanges, testing::Values(many, many_hands));
+
+TEST_P(HoldSetOfRanges, RowsOfAGripDependOnTheGripAlone) {
+  const PadSource grips = source(GetParam());
   const ContactSet whole = simulate(grips);
   EXPECT_EQ(whole.contacts, 40u);
   Executor one{Device("").for_one_contact()};
   const SetSimulator other(one, grips, {.pad = pad_rung_named("pad-8")});
   expect_ranges_make(whole, other, {{0, 7}, {7, 1}, {8, 20}, {28, 12}});
+}
+
+/// A hand: frames at 60 Hz of a grip at 6 N that presses in 4 frames and has its weight from the eighth on.
+const std::string in_hand =
+    "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nrate = 60\npress = 8\nweight = 0.25\n"
+    "direction = 90\nturn = 0\nback = 0\nrelax = 0\nloss = 0\ntilt = 0\n";
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+double deviation_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += std::pow(value - mean_of(values), 2);
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// The object follows its load, and P its target, a frame later by stiffnesses that are estimates: to a tenth.
+TEST_F(HoldSet, ATremorIsInTheForces) {
+  for (const std::string by : {"force", "motion"}) {
+    const ContactSet set = simulate(source(sweep(3) + rubber + face + in_hand + "by = \"" + by +
+                                           "\"\nframes = 400\nmoves = 0\ntremor = 0.02\ntremor_share = 0.7\n"));
+    for (std::uint64_t c = 0; c < 3; ++c) {
+      std::vector<double> x, y, P;
+      for (std::size_t row = 0; row < set.rows(); ++row) {
+        if (set.contact[row] != c || set.step[row] < 20) continue;
+        x.push_back(set.tangential_force[2 * row]), y.push_back(set.tangential_force[2 * row + 1]);
+        P.push_back(set.normal_force[row]);
+      }
+      EXPECT_NEAR(mean_of(P), 6, 0.05);
+      EXPECT_NEAR(std::hypot(deviation_of(x), deviation_of(y)) / 6, 0.02 * std::sqrt(0.85), 0.002) << by << c;
+      EXPECT_NEAR(deviation_of(P) / 6, 0.02 * std::sqrt(0.15), 0.0025) << by << c;
+    }
+  }
+}
+
+TEST_F(HoldSet, ASqueezeMultipliesTheForce) {
+  for (const double ratio : {0.4, 1.05, 3.0}) {
+    const ContactSet set =
+        simulate(source(sweep(1) + rubber + face + in_hand + "frames = 60\nrest = 5\nmoves = 1\nsize = 0\nsqueeze = " +
+                        std::to_string(ratio) + "\nsqueeze_frames = 8\nsqueeze_alone = 1\n"));
+    EXPECT_NEAR(set.normal_force[set.rows() - 1] / set.normal_force[8], ratio, 0.01 * ratio);
+    EXPECT_NEAR(set.tangential_force[2 * set.rows() - 1] / 3, 0.25, 0.01) << "the weight stays";
+  }
+}
+
+/// By 30 degrees about a point 4 mm away: the axis goes along a chord of 2 4 sin(15 degrees).
+TEST_F(HoldSet, ASwingTurnsTheObjectAboutItsPoint) {
+  const ContactSet set =
+      simulate(source(sweep(2) + rubber + face + in_hand + "by = \"motion\"\nframes = 60\nrest = 5\nmoves = 1\n" +
+                      "size = 0\nmove_frames = 20\nswing = 30\nswing_radius = 4\n"));
+  for (const std::size_t first : {std::size_t{0}, set.rows() / 2}) {
+    const std::size_t rest = first + 8, end = first + set.rows() / 2 - 1;
+    EXPECT_NEAR(std::abs(set.twist[end] - set.twist[rest]), 30, 0.01);
+    EXPECT_NEAR(std::hypot(set.tangential[2 * end] - set.tangential[2 * rest],
+                           set.tangential[2 * end + 1] - set.tangential[2 * rest + 1]),
+                8 * std::sin(std::numbers::pi / 12), 1e-3);
+    EXPECT_EQ(set.stick_fraction[first + 16], 0);
+    EXPECT_GT(std::abs(set.net_turn[end]), 1);
+    EXPECT_EQ(set.net_turn[end] > 0, set.twist[end] > 0);
+  }
+}
+
+/// An object that slides as a whole keeps its force: the pad adds nothing to the way that it goes. And back again it
+/// has slid twice as far, and nowhere.
+TEST_F(HoldSet, TheNetSlipOfAWholeSlideIsTheWayOfTheObject) {
+  std::string text = in_hand;
+  text.replace(text.find("back = 0"), 8, "back = 1");
+  const ContactSet set = simulate(source(sweep(1) + rubber + face + text + "by = \"motion\"\nframes = 100\n" +
+                                         "rest = 5\nmoves = 1\nsize = 12\nmove_frames = 30\npause = 5\n"));
+  const double limit = 0.5 * 6 / (18.8 * 18.8) * 4 * 2 * 1.48 / 0.5;  // mu P H / (A G), mm
+  const auto row = [](std::size_t frame) { return frame - 3; };       // rows begin at the end of the pressing
+  double most = 0;
+  std::size_t slides = 0;
+  for (std::size_t k = row(14); k < row(42); ++k) {
+    most = std::max<double>(most, std::hypot(set.net_slip[2 * k], set.net_slip[2 * k + 1]));
+    if (std::ranges::any_of(std::span(set.stick_fraction).subspan(k - 4, 5), [](float stick) { return stick > 0; }))
+      continue;
+    ++slides;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double way = set.tangential[2 * k + axis] - set.tangential[2 * (k - 1) + axis];
+      EXPECT_NEAR(set.net_slip[2 * k + axis] - set.net_slip[2 * (k - 1) + axis], way / limit,
+                  0.02 + 0.02 * way / limit);
+    }
+  }
+  EXPECT_GT(slides, 10u);
+  EXPECT_GT(most, 9);
+  const std::size_t end = set.rows() - 1;
+  EXPECT_GT(set.slip_path[end], 1.8 * most);
+  EXPECT_LT(std::hypot(set.net_slip[2 * end], set.net_slip[2 * end + 1]), 0.15 * most);
+}
+
+/// 0.2 s are 12 frames.
+TEST_F(HoldSet, TheSlideAheadIsThatOfTheNextFifthOfASecond) {
+  const ContactSet set = simulate(source(sweep(2) + rubber + face + in_hand + "by = \"motion\"\nframes = 60\n" +
+                                         "rest = 5\nmoves = 1\nsize = 8\nmove_frames = 20\n"));
+  ASSERT_EQ(set.rows(), 2u * 57);
+  float most = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    if (set.step[row] + 12 > 59) {
+      EXPECT_TRUE(std::isnan(set.slid_ahead[row])) << row;
+      continue;
+    }
+    EXPECT_NEAR(set.slid_ahead[row], set.slid[row + 12] - set.slid[row], 1e-5) << row;
+    most = std::max(most, set.slid_ahead[row]);
+  }
+  EXPECT_GT(most, 2);
+  EXPECT_TRUE(simulate(source(sweep(1) + rubber + face + "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n" +
+                              "[load.hold]\nframes = 40\n"))
+                  .net_slip.empty())
+      << "a set of grips without a rate is as it was";
+}
+
+/// Open frames are no rows. Behind them the contact is fresh: it bears its weight again, and has slid no further.
+TEST_F(HoldSet, AHandThatGripsAgainHoldsAsBefore) {
+  const ContactSet set =
+      simulate(source(sweep(2) + rubber + face + in_hand + "frames = 80\nrest = 5\nmoves = 1\nsize = 0.1\n" +
+                      "pause = 6\nregrip = 1\nregrip_shift = 2\n"));
+  for (std::uint64_t c = 0; c < 2; ++c) {
+    std::vector<std::uint32_t> steps;
+    std::size_t last = 0;
+    for (std::size_t row = 0; row < set.rows(); ++row)
+      if (set.contact[row] == c) steps.push_back(set.step[row]), last = row;
+    EXPECT_EQ(steps.size(), 77u - 7) << "open from frame 21 to 27";
+    EXPECT_FALSE(std::ranges::count(steps, 23u));
+    EXPECT_NEAR(set.normal_force[last], 6, 0.05);
+    EXPECT_NEAR(set.tangential_force[2 * last + 1] / 3, 0.25, 0.01);
+    EXPECT_NEAR(std::hypot(set.tangential[2 * last], set.tangential[2 * last + 1]), 2, 0.3) << "where it now lies";
+    EXPECT_LT(set.slid[last], 0.2);
+    EXPECT_EQ(set.status[last], 0);
+  }
+}
+
+/// A ball that rolls on by 2 mm as it turns by 1 degree: the pressure goes with it, and drags nothing along.
+TEST_F(HoldSet, ABallRollsOnWithoutSlip) {
+  std::string pad = rubber, text = in_hand;
+  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
+  text.replace(text.find("weight = 0.25"), 13, "weight = 0");
+  const ContactSet set = simulate(source(sweep(1) + pad + "[indenter]\nshape = \"sphere\"\nradius = 20\n" + text +
+                                         "by = \"motion\"\nframes = 60\nrest = 5\n" +
+                                         "moves = 1\nsize = 0\nmove_frames = 20\nswing = 1\nroll = 2\n"));
+  const auto centre = [&](std::size_t row) {
+    std::array<double, 2> at{};
+    double sum = 0;
+    for (std::size_t i = 0; i < 38 * 38; ++i) {
+      const double n = set.frames[row * 3 * 38 * 38 + i];
+      sum += n, at[0] += n * (static_cast<double>(i % 38) - 18.5) * 0.49,
+          at[1] += n * (static_cast<double>(i / 38) - 18.5) * 0.49;
+    }
+    return std::array{at[0] / sum, at[1] / sum};
+  };
+  const std::size_t end = set.rows() - 1;
+  const auto from = centre(8), to = centre(end);
+  EXPECT_NEAR(std::hypot(to[0] - from[0], to[1] - from[1]), 2, 0.1);
+  EXPECT_NEAR(std::hypot(set.tangential[2 * end], set.tangential[2 * end + 1]), 0, 1e-3);
+  EXPECT_LT(set.force_ratio[end], 0.1);
+  EXPECT_LT(std::hypot(set.net_slip[2 * end], set.net_slip[2 * end + 1]), 0.1);
 }
 
 /// Forces, faces and friction far from any grip, on few cells: what is not solved is marked, and no number is none.
@@ -192,6 +373,7 @@ TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
       "[0.02, 60] }\n[load.hold]\nframes = 60\ntilt = { uniform = [-3, 3] }\nsize = { log_uniform = "
       "[0.1, 30] }\nloss = { uniform = [-0.5, 1] }\n";
   std::string moved = ends.substr(ends.find("[[load]]"));
+  const std::string held = moved + hands + "added_weight = { uniform = [0, 2] }\n", swung = moved + hands + swings;
   moved += "by = \"motion\"\n";
   const std::string few =
       "[indenter]\nshape = \"sphere\"\nradius = { uniform = [2, 8] }\nposition = [{ uniform = [-6, 6] }, 0]\n";
@@ -199,15 +381,16 @@ TEST_F(HoldSet, ExtremesAreMarkedAndFinite) {
        {std::string(face) + "unevenness = { rms = { log_uniform = [0.05, 1] }, length = { log_uniform = [2, 20] } }\n",
         few}) {
     std::string text = sweep(60);
-    for (const std::string_view part :
-         {std::string_view(rubber), std::string_view(object), std::string_view(ends), std::string_view(moved)})
+    for (const std::string_view part : {std::string_view(rubber), std::string_view(object), std::string_view(ends),
+                                        std::string_view(moved), std::string_view(held), std::string_view(swung)})
       text += part;
     const ContactSet set = simulate(source(text));
     ASSERT_GT(set.rows(), 60u * 30);
     std::size_t unsolved = 0;
     for (std::size_t row = 0; row < set.rows(); ++row) {
       ASSERT_TRUE(std::isfinite(set.normal_force[row]) && std::isfinite(set.slid[row]) &&
-                  std::isfinite(set.slip_path[row]))
+                  std::isfinite(set.slip_path[row]) && std::isfinite(set.net_slip[2 * row]) &&
+                  std::isfinite(set.net_turn[row]))
           << row;
       ASSERT_GT(set.normal_force[row], 0);
       unsolved += set.status[row] == 2;

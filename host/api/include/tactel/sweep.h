@@ -25,6 +25,8 @@ struct Set {
   std::vector<float> torque, twist, force_ratio;      ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
   std::vector<float> slid;                      ///< [rows] of pads: slide as a whole since first touch over its limit
   std::vector<float> slip_path;                 ///< [rows] of pads: the cells' rms slips, summed, over that limit
+  std::vector<float> net_slip, net_turn;        ///< [rows, 2], [rows] of grips with a rate: mean slips, added up
+  std::vector<float> slid_ahead;                ///< [rows] of grips with a rate: growth of slid in the next 0.2 s
   std::vector<float> friction, stick_fraction;  ///< [rows] mu; stuck length over contact length
   std::vector<float> residual;                  ///< [rows] largest relative residual
   std::vector<std::uint64_t> contact;           ///< [rows] contact of the sweep
