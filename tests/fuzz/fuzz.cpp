@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 namespace tactel::fuzz {
 namespace {
@@ -25,7 +26,18 @@ struct TemporaryFolder {
   fs::path path;
 };
 
+using Run = void (*)(Bytes);
+
+std::map<std::string_view, Run>& targets() {
+  static std::map<std::string_view, Run> targets;
+  return targets;
+}
+
+Run chosen = nullptr;
+
 }  // namespace
+
+Target::Target(std::string_view name, void (*run)(Bytes)) { targets().emplace(name, run); }
 
 const fs::path& folder() {
   static const TemporaryFolder folder;
@@ -73,3 +85,22 @@ std::uint32_t Choices::word() {
 }
 
 }  // namespace tactel::fuzz
+
+// What libFuzzer calls: once, and for each input.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  using namespace tactel::fuzz;
+  const char* name = std::getenv("FUZZ_TARGET");
+  const auto found = targets().find(name == nullptr ? "" : name);
+  if (found != targets().end()) {
+    chosen = found->second;
+    return 0;
+  }
+  std::fprintf(stderr, "FUZZ_TARGET=NAME tactel_fuzz INPUT...; the names:\n");
+  for (const auto& target : targets()) std::printf("%s\n", std::string(target.first).c_str());
+  std::exit(2);
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  tactel::fuzz::chosen({data, size});
+  return 0;
+}

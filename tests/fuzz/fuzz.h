@@ -16,6 +16,11 @@ inline Bytes as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+/// A target: what the program does with an input where FUZZ_TARGET=name.
+struct Target {
+  Target(std::string_view name, void (*run)(Bytes));
+};
+
 /// A folder of this process under the temporary directory ($TMPDIR), removed at its end.
 const std::filesystem::path& folder();
 /// Writes folder()/name with exactly these bytes, and returns its path.
@@ -23,7 +28,7 @@ std::filesystem::path write_file(const std::string& name, Bytes bytes);
 /// The bytes of a file.
 std::string file_bytes(const std::filesystem::path& path);
 
-/// Ends the program where a property does not hold: a finding for the fuzzer, a failure for the replay.
+/// Ends the program where a property does not hold: a finding.
 void check(bool met, const char* property);
 /// Checks that the text of an error can be shown on a terminal as one line: neither empty nor with control characters.
 void check_message(const std::exception& error);
@@ -43,10 +48,10 @@ bool accepts(const Read& read) {
 
 /// Calls `read` with an input as it is and, where that differs, with its checksums made right by `repair`.
 template <class Read, class Repair>
-void read_twice(const std::uint8_t* data, std::size_t size, const Read& read, const Repair& repair) {
-  const std::string input(reinterpret_cast<const char*>(data), size);
-  read(input);
-  if (const std::string repaired = repair(input); repaired != input) read(repaired);
+void read_twice(Bytes input, const Read& read, const Repair& repair) {
+  const std::string bytes(input.begin(), input.end());
+  read(bytes);
+  if (const std::string repaired = repair(bytes); repaired != bytes) read(repaired);
 }
 
 /// Takes numbers from the front of an input; zeros once it is used up.

@@ -50,23 +50,20 @@ std::string damaged(std::string content, Bytes input) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel;
-  using namespace tactel::fuzz;
+const Target target("condensation", [](Bytes input) {
   static const CacheFile file;
-  const std::string bytes = damaged(file.content, {data, size});
+  const std::string bytes = damaged(file.content, input);
   write_file(file.path.filename(), as_bytes(bytes));
   const fem::Condensation found = fem::condense_cached(small_sensor(), folder());
   // A file with other values and the checksum of those is no damage: the fuzzer finds such files by watching the
   // comparison.
-  if (bytes.size() == file.content.size() && bytes != file.content && file_bytes(file.path) == bytes) return 0;
+  if (bytes.size() == file.content.size() && bytes != file.content && file_bytes(file.path) == bytes) return;
   check(found.compliance == file.fresh.compliance && found.base_force == file.fresh.base_force &&
             found.tactel_stress == file.fresh.tactel_stress && found.surface_x == file.fresh.surface_x &&
             found.base_x == file.fresh.base_x && found.tactel_x == file.fresh.tactel_x,
         "a damaged file changes nothing");
   check(file_bytes(file.path) == file.content, "a damaged file is written anew");
-  return 0;
-}
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

@@ -8,25 +8,29 @@
 #include "hw/decoder.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel;
-  if (size < 1) return 0;
-  const int channels = 1 + data[0] % 8;
-  const auto path = fuzz::write_file("frames.csv", {data + 1, size - 1});
-  fuzz::accepts<hw::RecordingError>([&] {
+namespace tactel::fuzz {
+namespace {
+
+const Target target("csv_frames", [](Bytes input) {
+  if (input.empty()) return;
+  const int channels = 1 + input[0] % 8;
+  const auto path = write_file("frames.csv", input.subspan(1));
+  accepts<hw::RecordingError>([&] {
     host::CsvSource source(path.string(), static_cast<std::size_t>(channels), false);
     hw::Decoder decoder(hw::csv_format(channels));
     double last = 0;
     while (!source.finished()) {
       const auto packet = source.wait(0);
       if (!packet) continue;
-      fuzz::check(packet->arrival >= last, "arrivals do not fall");
+      check(packet->arrival >= last, "arrivals do not fall");
       last = packet->arrival;
       decoder.feed(packet->bytes, [&](const hw::DecodedFrame& frame) {
-        for (const double value : frame.values) fuzz::check(std::isfinite(value), "numbers are finite");
+        for (const double value : frame.values) check(std::isfinite(value), "numbers are finite");
       });
     }
-    fuzz::check(decoder.counts() == hw::DecoderCounts{.frames = source.counts().packets}, "a packet is a frame");
+    check(decoder.counts() == hw::DecoderCounts{.frames = source.counts().packets}, "a packet is a frame");
   });
-  return 0;
-}
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

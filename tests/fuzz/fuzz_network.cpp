@@ -45,10 +45,7 @@ void read_and_infer(const std::string& bytes) {
   infer(bytes);
 }
 
+const Target target("network", [](Bytes input) { read_twice(input, read_and_infer, with_right_checksum); });
+
 }  // namespace
 }  // namespace tactel::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tactel::fuzz::read_twice(data, size, tactel::fuzz::read_and_infer, tactel::fuzz::with_right_checksum);
-  return 0;
-}

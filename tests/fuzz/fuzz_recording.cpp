@@ -61,14 +61,11 @@ void read(Bytes bytes) {
   });
 }
 
-}  // namespace
-}  // namespace tactel::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel::fuzz;
-  const Bytes input(data, size);
+const Target target("recording", [](Bytes input) {
   read(input);
   const std::vector<std::uint8_t> repaired = with_right_checksums(input);
   if (!std::ranges::equal(repaired, input)) read(repaired);
-  return 0;
-}
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

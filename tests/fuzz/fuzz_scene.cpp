@@ -6,18 +6,22 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/measured_profile.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel;
-  fuzz::provide_measured_profile();
-  const auto path = fuzz::write_file("scene.toml", {data, size});
+namespace tactel::fuzz {
+namespace {
+
+const Target target("scene", [](Bytes input) {
+  provide_measured_profile();
+  const auto path = write_file("scene.toml", input);
   host::AnyScene any;
-  if (!fuzz::accepts([&] { any = host::read_any_scene(path); })) return 0;
+  if (!accepts([&] { any = host::read_any_scene(path); })) return;
   std::visit([](const auto& scene) { scene.validate(); }, any);
   if (const auto* pad = std::get_if<fem::PadScene>(&any)) {
-    fuzz::check(!fem::pad_targets(pad->load).empty(), "an accepted scene of a pad has a load step");
-    return 0;
+    check(!fem::pad_targets(pad->load).empty(), "an accepted scene of a pad has a load step");
+    return;
   }
   const fem::LoadPath steps = fem::load_path(std::get<fem::Scene>(any).load);
-  fuzz::check(!steps.steps.empty(), "an accepted scene has a load step");
-  return 0;
-}
+  check(!steps.steps.empty(), "an accepted scene has a load step");
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

@@ -8,14 +8,18 @@
 #include "hw/decoder.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel;
-  const std::string text(reinterpret_cast<const char*>(data), size);
+namespace tactel::fuzz {
+namespace {
+
+const Target target("sensor_profile", [](Bytes input) {
+  const std::string text(input.begin(), input.end());
   host::SensorProfile profile;
-  if (!fuzz::accepts([&] { profile = host::parse_profile(text, "profile.toml"); })) return 0;
+  if (!accepts([&] { profile = host::parse_profile(text, "profile.toml"); })) return;
   hw::Decoder decoder(profile.format());
   std::vector<float> frame(profile.map.places());
   // The profile's own text stands for a stream of bytes: some sync marks occur in it.
-  decoder.feed({data, size}, [&](const hw::DecodedFrame& decoded) { profile.map.apply(decoded.values, frame); });
-  return 0;
-}
+  decoder.feed(input, [&](const hw::DecodedFrame& decoded) { profile.map.apply(decoded.values, frame); });
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

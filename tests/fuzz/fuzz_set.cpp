@@ -194,19 +194,17 @@ void change(hid_t file, Choices choices) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel::fuzz;
+const Target target("set", [](Bytes input) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const std::string& whole = whole_set();
   const auto path = write_file("set.h5", as_bytes(whole));
   {
     const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
     check(file >= 0, "a whole set opens");
-    change(file, Choices({data, size}));
+    change(file, Choices(input));
   }
   read_set(path);
-  return 0;
-}
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

@@ -4,8 +4,10 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/set_read.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel::fuzz;
-  read_set(write_file("set.h5", {data, size}));
-  return 0;
-}
+namespace tactel::fuzz {
+namespace {
+
+const Target target("set_file", [](Bytes input) { read_set(write_file("set.h5", input)); });
+
+}  // namespace
+}  // namespace tactel::fuzz

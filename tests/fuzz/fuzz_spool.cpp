@@ -52,10 +52,7 @@ void read(const std::string& bytes) {
   check(!fs::exists(parts), "nothing is left of a spool that was put together or dropped");
 }
 
+const Target target("spool", [](Bytes input) { read_twice(input, read, with_right_checksums); });
+
 }  // namespace
 }  // namespace tactel::fuzz
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tactel::fuzz::read_twice(data, size, tactel::fuzz::read, tactel::fuzz::with_right_checksums);
-  return 0;
-}

@@ -10,27 +10,31 @@ bool has_step(const tactel::fem::Scene& scene) { return !tactel::fem::load_path(
 bool has_step(const tactel::fem::PadScene& scene) { return !tactel::fem::pad_targets(scene.load).empty(); }
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tactel;
-  fuzz::provide_measured_profile();
-  const auto path = fuzz::write_file("sweep.toml", {data, size});
+namespace tactel::fuzz {
+namespace {
+
+const Target target("sweep", [](Bytes input) {
+  provide_measured_profile();
+  const auto path = write_file("sweep.toml", input);
   std::optional<host::Sweep> sweep;
-  if (!fuzz::accepts([&] { sweep = host::read_sweep(path); })) return 0;
+  if (!accepts([&] { sweep = host::read_sweep(path); })) return;
   const host::ContactSource& all = sweep->contacts();
-  fuzz::check(all.contacts() > 0, "an accepted sweep has a contact");
-  fuzz::check(all.inputs() >= 1, "a frame of an accepted sweep has a number");
+  check(all.contacts() > 0, "an accepted sweep has a contact");
+  check(all.inputs() >= 1, "a frame of an accepted sweep has a number");
   for (const std::uint64_t k : {std::uint64_t{0}, std::uint64_t{1}, all.contacts() - 1}) {
     if (k >= all.contacts()) continue;
     // Drawn numbers that do not fit each other are a ValueError, by contract.
-    fuzz::accepts<ValueError>([&] {
+    accepts<ValueError>([&] {
       std::visit(
           [&](const auto& source) {
             const auto contact = source.contact(k);
-            fuzz::check(contact.kind < all.kind_names().size(), "a contact's indenter has a name");
-            fuzz::check(has_step(contact.scene), "a drawn contact has a load step");
+            check(contact.kind < all.kind_names().size(), "a contact's indenter has a name");
+            check(has_step(contact.scene), "a drawn contact has a load step");
           },
           sweep->source);
     });
   }
-  return 0;
-}
+});
+
+}  // namespace
+}  // namespace tactel::fuzz

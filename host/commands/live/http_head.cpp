@@ -51,7 +51,7 @@ std::string lower(std::string_view text) {
 std::optional<std::string> header_name(std::string_view host) {
   const bool bracket = host.starts_with('[');
   const std::size_t end = bracket ? host.find(']') : std::min(host.find(':'), host.size());
-  if (end == std::string_view::npos) return std::nullopt;
+  if (end == std::string_view::npos || host.find('\0') != std::string_view::npos) return std::nullopt;
   const std::string_view port = host.substr(end + bracket), name = host.substr(bracket, end - bracket);
   if (!port.empty() && (port[0] != ':' || port.find_first_not_of(digits, 1) != std::string_view::npos))
     return std::nullopt;
