@@ -14,6 +14,7 @@
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 #include "hw/tare.h"
 #include "nn/infer/rest_reference.h"
 
