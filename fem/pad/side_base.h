@@ -13,8 +13,8 @@ namespace tactel::fem {
 /// How the bricks below a base's stress are graded; lengths over H. The finest, at the sides and the base, are so much
 /// of the least of H and half a side.
 struct BaseGrading {
-  double finest = 0.1, growth = 1.8;
-  double widest = 0.5, highest = 0.45;
+  double finest = 0.055, growth = 2.3;
+  double widest = 0.5, highest = 0.55;
   static constexpr double far = 3, far_width = 1;  ///< so far from a side bricks may be so wide
 };
 

@@ -69,26 +69,37 @@ PadScene covered(double side, double H, double nu, double mu, double depth, doub
 
 PadSolution solved(const PadScene& scene) { return PadSolver(pad_layer(scene.sensor.poisson)).solve(scene); }
 
-TEST(SideBase, BondedCubeIsThatOfAnIndependentProgram) {
-  // Finite elements of 27 nodes graded to the sides, the base and the face, 5 x 5 x 10 and 7 x 7 x 8 a quarter, which
-  // differ by 0.0012 at the corner and 0.0003 elsewhere; a cube of 8 mm, bonded, pressed by 0.4, dragged by 0.3 mm.
-  // Twelve cells have 0.8 % too little of P. Tolerances are 3 % of the largest inside and 6 % at the outermost tactels.
+TEST(SideBase, BondedCubeIsThatOfCalculiX) {
+  // A cube of 8 mm, bonded, pressed by 0.4, dragged by 0.3 mm. CalculiX 2.20 at the corner: 2000 C3D20R and 784 C3D20 a
+  // quarter, graded to the sides, the base and the face, which differ by 0.0004 and 0.0001; elsewhere bricks of 27 nodes
+  // of another program. Twelve cells have 0.6 % too little of P, 0.8 % too much of Q, which leaves 3 % of the dragged
+  // sigma_z.
   const PadSolution solution = solved(covered(8, 8, 0.3, 100, 0.4, 0.3));
   ASSERT_EQ(solution.steps.size(), 2u);
   const Eigen::MatrixX3d press = solution.steps[0].stress, drag = solution.steps[1].stress - press;
   constexpr int corner = 15, edge = 14, middle = 10;  // (3.48, 3.48), (1.16, 3.48), (1.16, 1.16)
-  constexpr double sigma = 0.057, tau = 0.0144, sigma_dragged = 0.0255, tau_dragged = 0.0099;
-  EXPECT_NEAR(press(corner, 0), -0.0567, 0.06 * sigma);
-  EXPECT_NEAR(press(corner, 1), 0.0138, 0.06 * tau);
-  EXPECT_NEAR(press(edge, 0), -0.0517, 0.06 * sigma);
-  EXPECT_NEAR(press(edge, 2), 0.0142, 0.06 * tau);
-  EXPECT_NEAR(press(middle, 0), -0.0468, 0.03 * sigma);
-  EXPECT_NEAR(press(middle, 1), 0.0033, 0.03 * tau);
-  EXPECT_NEAR(drag(corner, 0), -0.0243, 0.06 * sigma_dragged);
-  EXPECT_NEAR(drag(corner, 1), 0.0086, 0.06 * tau_dragged);
-  EXPECT_NEAR(drag(corner, 2), 0.0054, 0.06 * tau_dragged);
-  EXPECT_NEAR(drag(edge, 1), 0.0096, 0.06 * tau_dragged);
+  constexpr double sigma = 0.057, tau = 0.0139, sigma_dragged = 0.0245, tau_dragged = 0.0099;
+  EXPECT_NEAR(press(corner, 0), -0.0573, 0.02 * sigma);
+  EXPECT_NEAR(press(corner, 1), 0.0134, 0.02 * tau);
+  EXPECT_NEAR(press(edge, 0), -0.0517, 0.02 * sigma);
+  EXPECT_NEAR(press(edge, 2), 0.0139, 0.02 * tau);
+  EXPECT_NEAR(press(middle, 0), -0.0468, 0.02 * sigma);
+  EXPECT_NEAR(press(middle, 1), 0.0033, 0.02 * tau);
+  EXPECT_NEAR(drag(corner, 0), -0.0246, 0.04 * sigma_dragged);
+  EXPECT_NEAR(drag(corner, 1), 0.0083, 0.03 * tau_dragged);
+  EXPECT_NEAR(drag(corner, 2), 0.0052, 0.03 * tau_dragged);
+  EXPECT_NEAR(drag(edge, 1), 0.0096, 0.03 * tau_dragged);
   EXPECT_NEAR(drag(middle, 1), 0.0099, 0.03 * tau_dragged);
+}
+
+TEST(SideBase, NarrowStripIsThatOfAnIndependentProgram) {
+  // 12 x 6 x 3 mm, nu 0.49, bonded, pressed by 0.12 mm; 0.39 mm from the long side. Bricks of 27 nodes in Python, 16 to
+  // the side and 17 above one another, the smallest 0.01 mm: 11 and 13 differ by 0.0001.
+  PadScene scene = covered(12, 3, 0.49, 100, 0.12, 0);
+  scene.sensor.width = 6, scene.sensor.tactels = {2, 2}, scene.sensor.pitch = {0.6, 5.22};
+  const Eigen::MatrixX3d stress = solved(scene).steps.back().stress;
+  EXPECT_NEAR(stress(3, 0), -0.0715, 0.03 * 0.0935);
+  EXPECT_NEAR(stress(3, 2), 0.0489, 0.03 * 0.0489);
 }
 
 TEST(SideBaseNightly, ThinRubberIsThatOfAnIndependentProgram) {
@@ -97,7 +108,7 @@ TEST(SideBaseNightly, ThinRubberIsThatOfAnIndependentProgram) {
   const Eigen::MatrixX3d& stress = solution.steps.back().stress;
   constexpr double sigma = 0.56, tau = 0.101;
   EXPECT_NEAR(stress(5, 0), -0.5599, 0.03 * sigma);
-  EXPECT_NEAR(stress(5, 1), -0.0352, 0.03 * tau);
+  EXPECT_NEAR(stress(5, 1), -0.0352, 0.04 * tau);  // cells are 0.83 H wide: 24 have -0.0333, 12 -0.0315
   EXPECT_NEAR(stress(0, 0), -0.0560, 0.06 * sigma);
   EXPECT_NEAR(stress(0, 1), -0.0324, 0.06 * tau);
   EXPECT_NEAR(stress(1, 0), -0.1194, 0.06 * sigma);
