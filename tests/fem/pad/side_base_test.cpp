@@ -71,9 +71,9 @@ PadSolution solved(const PadScene& scene) { return PadSolver(pad_layer(scene.sen
 
 TEST(SideBase, BondedCubeIsThatOfCalculiX) {
   // A cube of 8 mm, bonded, pressed by 0.4, dragged by 0.3 mm. CalculiX 2.20 at the corner: 2000 C3D20R and 784 C3D20 a
-  // quarter, graded to the sides, the base and the face, which differ by 0.0004 and 0.0001; elsewhere bricks of 27 nodes
-  // of another program. Twelve cells have 0.6 % too little of P, 0.8 % too much of Q, which leaves 3 % of the dragged
-  // sigma_z.
+  // quarter, graded to the sides, the base and the face, which differ by 0.0004 and 0.0001; elsewhere bricks of 27
+  // nodes of another program. Twelve cells have 0.6 % too little of P, 0.8 % too much of Q, which leaves 3 % of the
+  // dragged sigma_z.
   const PadSolution solution = solved(covered(8, 8, 0.3, 100, 0.4, 0.3));
   ASSERT_EQ(solution.steps.size(), 2u);
   const Eigen::MatrixX3d press = solution.steps[0].stress, drag = solution.steps[1].stress - press;

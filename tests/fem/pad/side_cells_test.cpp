@@ -101,11 +101,12 @@ TEST(SideCells, MiddleOfAWidePadIsTheEndlessLayer) {
   const PadSolution free = solved(scene);
   scene.sensor.sides = Sides::held;
   const PadSolution held = solved(scene);
-  // Sides 4 H away. Means and values at the middles of 12 cells differ by half a percent, steep stresses by more.
+  // Sides 4 H away. Means and values at the middles of 12 cells differ by half a percent, steep stresses by more;
+  // bricks below the base, up to 0.55 H high, leave as much between the ball and the sides.
   const AnswerError off = pad_difference(free, held);
   EXPECT_LT(off.P, 0.01);
   EXPECT_LT(off.S, 0.006);
-  EXPECT_LT(off.sigma, 0.02);
+  EXPECT_LT(off.sigma, 0.025);
 }
 
 TEST(SideCells, LongPadsSeeTheirNearerSide) {
