@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from dataclasses import replace
 
 import known_sensors
@@ -249,7 +250,8 @@ class TestCommand(unittest.TestCase):
     def run_command(self, *words):
         """Exit code, standard output and standard error."""
         out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)  # of pipes that other tests left, found meanwhile
             try:
                 code = calibrate.main([str(word) for word in words])
             except SystemExit as end:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import _tactel, open_sensor, read_scene
-from ._calls import input_error
+from . import open_sensor, read_scene
+from ._calls import _tactel, input_error
 from ._known_presses import Options, Press, is_pad, targets, transducers
 
 FEWEST_FRAMES = 4  # of a window, for its noise
@@ -63,7 +63,7 @@ def read_tables(path):
         import tomllib
     except ImportError:  # Python 3.10 and older
         try:
-            import tomli as tomllib
+            import tomli as tomllib  # type: ignore[import, no-redef]
         except ImportError:
             raise input_error("tomli", "not installed", "install it: pip install tomli") from None
     try:

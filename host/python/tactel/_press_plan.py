@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Cylinder, Flat, Press, Scene, Sensor, Wedge, _tactel, read_scene
-from ._calls import input_error
+from . import Cylinder, Flat, Press, Scene, Sensor, Wedge, read_scene
+from ._calls import _tactel, input_error
 from ._known_presses import Grid, Options, by_force, indented, is_pad, press_numbers, sensor_numbers, transducers
 from ._press_files import Table, read_fit, read_tables, same_sensor, steps
 
