@@ -37,7 +37,9 @@ __attribute__((visibility("default"))) cl_int clEnqueueNDRangeKernel(cl_command_
                                                                      cl_event* event) {
   static cl_int (*next)(cl_command_queue, cl_kernel, cl_uint, const size_t*, const size_t*, const size_t*, cl_uint,
                         const cl_event*, cl_event*) = NULL;
+  static cl_int (*mark)(cl_command_queue, cl_uint, const cl_event*, cl_event*) = NULL;
   if (!next) *(void**)&next = dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
-  if (getenv("IDLE")) return clEnqueueMarkerWithWaitList(queue, waits, wait_for, event);
+  if (!mark) *(void**)&mark = dlsym(RTLD_NEXT, "clEnqueueMarkerWithWaitList");  // by name: linkers lack it
+  if (getenv("IDLE")) return mark(queue, waits, wait_for, event);
   return next(queue, kernel, axes, from, global, local, waits, wait_for, event);
 }

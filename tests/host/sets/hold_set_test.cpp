@@ -156,20 +156,20 @@ TEST_F(HoldSet, AreThoseOfTheTwin) {
 /// Of a motion far beyond the elastic limit, tactels so small that their stresses make up the force.
 TEST_F(HoldSet, FramesSumToTheForce) {
   std::string pad = rubber;
-  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
+  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [76, 76]\npitch = 0.247");
   const ContactSet set =
       simulate(source(sweep(3) + pad + face + uneven +
                       "[contact]\nfriction = 0.6\n[load]\nnormal_force = 8\n[load.hold]\nframes = 30\n"
                       "press = 6\nrest = 2\nmove_frames = 12\nby = \"motion\"\nsize = 5\n"));
-  const double area = 0.49 * 0.49;
-  const std::size_t tactels = 38 * 38;
+  const double area = 0.247 * 0.247;
+  const std::size_t tactels = 76 * 76;
   for (std::size_t row = 0; row < set.rows(); ++row) {
     double sum[3] = {};
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t i = 0; i < tactels; ++i) sum[axis] += area * set.frames[row * 3 * tactels + axis * tactels + i];
-    // The stress is singular where the base meets the sides: of the outermost half millimetre a sum over middles of
-    // tactels misses a share.
-    EXPECT_NEAR(-sum[0] / set.normal_force[row], 1, 0.07);
+    // The stress is singular where the base meets the sides: of the outermost tactels a sum over middles misses a share,
+    // which halves with the pitch.
+    EXPECT_NEAR(-sum[0] / set.normal_force[row], 1, 0.05);
     for (std::size_t axis = 0; axis < 2; ++axis)
       EXPECT_NEAR(sum[1 + axis], set.tangential_force[2 * row + axis], 0.03 * set.normal_force[row]);
   }
@@ -343,7 +343,7 @@ TEST_F(HoldSet, AHandThatGripsAgainHoldsAsBefore) {
 /// A ball that rolls on by 2 mm as it turns by 1 degree: the pressure goes with it, and drags nothing along.
 TEST_F(HoldSet, ABallRollsOnWithoutSlip) {
   std::string pad = rubber, text = in_hand;
-  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
+  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [76, 76]\npitch = 0.247");
   text.replace(text.find("weight = 0.25"), 13, "weight = 0");
   const ContactSet set = simulate(source(sweep(1) + pad + "[indenter]\nshape = \"sphere\"\nradius = 20\n" + text +
                                          "by = \"motion\"\nframes = 60\nrest = 5\n" +
