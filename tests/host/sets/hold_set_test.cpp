@@ -167,8 +167,8 @@ TEST_F(HoldSet, FramesSumToTheForce) {
     double sum[3] = {};
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t i = 0; i < tactels; ++i) sum[axis] += area * set.frames[row * 3 * tactels + axis * tactels + i];
-    // The stress is singular where the base meets the sides: of the outermost tactels a sum over middles misses a share,
-    // which halves with the pitch.
+    // The stress is singular where the base meets the sides: of the outermost tactels a sum over middles misses a
+    // share, which halves with the pitch.
     EXPECT_NEAR(-sum[0] / set.normal_force[row], 1, 0.05);
     for (std::size_t axis = 0; axis < 2; ++axis)
       EXPECT_NEAR(sum[1 + axis], set.tangential_force[2 * row + axis], 0.03 * set.normal_force[row]);
