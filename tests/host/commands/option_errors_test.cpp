@@ -119,17 +119,24 @@ const WrongCall wrong_calls[] = {
      "--level = most: must be a number, 0.5 to 0.9999"},
     {"RangeOfANestedCommand", "calibrate bound a.onnx b.h5 --level 95",
      "--level = 95: must be a number, 0.5 to 0.9999"},
-    {"MissingOfANestedCommand", "calibrate bound a.onnx", "set = (missing): must be given as SET.h5"},
+    {"MissingOfANestedCommand", "calibrate bound a.onnx", "SET.h5 = (missing): must be given"},
     {"NestedCommand", "calibrate bount", "command = bount: must be one of bound; did you mean bound?"},
     {"NoNestedCommand", "calibrate", "command = (missing): must be one of bound"},
-    {"MovedCommand", "floor a.toml", "command = floor: belongs to the Python package; python -m tactel.floor"},
-    {"MovedNestedCommand", "calibrate sensor a.toml --profile b.toml",
-     "command = calibrate sensor: belongs to the Python package; python -m tactel.calibrate sensor"},
     {"OptionForACommand", "calibrate --html a.html",
      "command = --html: must be one of bound; options and files stand behind it"},
     {"ControlCharacters", "train --scaling a\x1b[31m\n", "--scaling = a [31m : must be one of set, frame, rest"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongOptionTest, testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
+
+TEST(OptionErrors, AMovedCommandSaysWhereItIs) {
+  for (const auto& [arguments, moved] : {std::pair<std::string, std::string>{"floor a.toml", "floor"},
+                                         {"calibrate sensor a.toml --profile b.toml", "calibrate sensor"}}) {
+    const ChildResult result = run_tactel(words(arguments));
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "error: command line: command = " + moved +
+                              ": belongs to the Python package; python -m tactel." + moved + "\n");
+  }
+}
 
 TEST(OptionErrors, AnOptionOfAlarmsNeedsTheirDecision) {
   for (const std::string option : {"--rate", "--touch", "--widest"})
