@@ -58,28 +58,28 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
   rows[PAD_SHAPE_RIM] = rows[PAD_SECTION_MOST] = PAD_OPEN;
   const double slope = std::tan(fem::radians(indenter.tilt));
   std::visit(
-      fem::Overloaded{[&](const fem::Sphere& s) { put_circle(rows, s.radius / H, true); },
-                      [&](const fem::LyingCylinder& c) {
+      fem::Overloaded{[&](const Sphere& s) { put_circle(rows, s.radius / H, true); },
+                      [&](const LyingCylinder& c) {
                         put_circle(rows, c.radius / H, false);
                         rows[PAD_SECTION_Y] = c.half_length / H;
                       },
-                      [&](const fem::Paraboloid& p) {
+                      [&](const Paraboloid& p) {
                         rows[PAD_SHAPE_CURVE_X] = H / (2 * p.radii[0]), rows[PAD_SHAPE_CURVE_Y] = H / (2 * p.radii[1]);
                         rows[PAD_SECTION_WIDE_X] = 2 * p.radii[0] / H, rows[PAD_SECTION_WIDE_Y] = 2 * p.radii[1] / H;
                       },
-                      [&](const fem::Punch& p) {
+                      [&](const Punch& p) {
                         rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_FLAT] = p.radius / H;
                         if (p.edge > 0) rows[PAD_SHAPE_CURVE] = H / (2 * p.edge);
                         if (p.edge == 0) rows[PAD_SHAPE_RIM] = p.radius / H;
                         for (const int direction : {0, 1}) put_flat(rows, direction, p.radius / H, p.edge / H, slope);
                       },
-                      [&](const fem::Box& b) {
+                      [&](const Box& b) {
                         rows[PAD_SHAPE_FLAT_X] = b.half_widths[0] / H, rows[PAD_SHAPE_FLAT_Y] = b.half_widths[1] / H;
                         if (b.edge > 0) rows[PAD_SHAPE_CURVE_X] = rows[PAD_SHAPE_CURVE_Y] = H / (2 * b.edge);
                         for (const int direction : {0, 1})
                           put_flat(rows, direction, b.half_widths[direction] / H, b.edge / H, slope);
                       },
-                      [&](const fem::Cone& c) {
+                      [&](const Cone& c) {
                         const double wide = std::tan(fem::radians(c.angle));
                         rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_SLOPE] = 1 / wide, rows[PAD_SECTION_SLOPE] = wide;
                       },
