@@ -245,7 +245,8 @@ struct Geometry<HeightMap> : AnyShape {
     if (!grid || m.heights.minCoeff() != 0 || m.heights.maxCoeff() > 1e6)
       throw ValueError(key, number_text(static_cast<double>(m.heights.size())),
                        "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
-    check_range(key, m.heights.maxCoeff(), m.pitch * (std::max(m.heights.rows(), m.heights.cols()) - 1));
+    const auto longest = static_cast<double>(std::max(m.heights.rows(), m.heights.cols()) - 1);
+    check_range(key, m.heights.maxCoeff(), m.pitch * longest);
   }
   static constexpr std::array<PadDraw, 0> draws{};  ///< drawn elsewhere
 };
