@@ -133,8 +133,9 @@ TEST(OptionErrors, AMovedCommandSaysWhereItIs) {
                                          {"calibrate sensor a.toml --profile b.toml", "calibrate sensor"}}) {
     const ChildResult result = run_tactel(words(arguments));
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(result.err, "error: command line: command = " + moved +
-                              ": belongs to the Python package; python -m tactel." + moved + "\n");
+    EXPECT_EQ(result.err, fmt::format("error: command line: command = {0}: belongs to the Python package; python -m "
+                                      "tactel.{0}\n",
+                                      moved));
   }
 }
 

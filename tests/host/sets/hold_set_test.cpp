@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Sets of grips that hold an object: their rows are those of the stepper, and depend on the grip alone.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -227,8 +228,9 @@ double deviation_of(const std::vector<double>& values) {
 /// The object follows its load, and P its target, a frame later by stiffnesses that are estimates: to a tenth.
 TEST_F(HoldSet, ATremorIsInTheForces) {
   for (const std::string by : {"force", "motion"}) {
-    const ContactSet set = simulate(source(sweep(3) + rubber + face + in_hand + "by = \"" + by +
-                                           "\"\nframes = 400\nmoves = 0\ntremor = 0.02\ntremor_share = 0.7\n"));
+    const ContactSet set =
+        simulate(source(sweep(3) + rubber + face + in_hand +
+                        fmt::format("by = \"{}\"\nframes = 400\nmoves = 0\ntremor = 0.02\ntremor_share = 0.7\n", by)));
     for (std::uint64_t c = 0; c < 3; ++c) {
       std::vector<double> x, y, P;
       for (std::size_t row = 0; row < set.rows(); ++row) {
@@ -353,8 +355,9 @@ TEST_F(HoldSet, ABallRollsOnWithoutSlip) {
     double sum = 0;
     for (std::size_t i = 0; i < 38 * 38; ++i) {
       const double n = set.frames[row * 3 * 38 * 38 + i];
-      sum += n, at[0] += n * (static_cast<double>(i % 38) - 18.5) * 0.49,
-          at[1] += n * (static_cast<double>(i / 38) - 18.5) * 0.49;
+      const std::size_t column = i % 38, line = i / 38;
+      sum += n, at[0] += n * (static_cast<double>(column) - 18.5) * 0.49,
+          at[1] += n * (static_cast<double>(line) - 18.5) * 0.49;
     }
     return std::array{at[0] / sum, at[1] / sum};
   };
