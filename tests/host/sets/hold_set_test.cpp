@@ -345,7 +345,7 @@ TEST_F(HoldSet, AHandThatGripsAgainHoldsAsBefore) {
 /// A ball that rolls on by 2 mm as it turns by 1 degree: the pressure goes with it, and drags nothing along.
 TEST_F(HoldSet, ABallRollsOnWithoutSlip) {
   std::string pad = rubber, text = in_hand;
-  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [76, 76]\npitch = 0.247");
+  pad.replace(pad.find("tactels = [4, 4]\npitch = 4.7"), 28, "tactels = [38, 38]\npitch = 0.49");
   text.replace(text.find("weight = 0.25"), 13, "weight = 0");
   const ContactSet set = simulate(source(sweep(1) + pad + "[indenter]\nshape = \"sphere\"\nradius = 20\n" + text +
                                          "by = \"motion\"\nframes = 60\nrest = 5\n" +
