@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wrong calls of the package as InputError, which names the argument. Its names and types are those of __init__.pyi."""
+"""Wrong calls of the package as InputError, which names the argument. Its names and types are those of __init__.pyi. Wrong calls of its
+commands as exit codes."""
 
 import ast
 import difflib
@@ -8,6 +9,7 @@ import itertools
 import pathlib
 import re
 import reprlib
+import sys
 
 from . import _tactel  # type: ignore[attr-defined]
 
@@ -17,6 +19,17 @@ def input_error(place, problem, fix):
     error = _tactel.InputError(f"{place}: {problem}; {fix}")
     error.place, error.problem, error.fix = place, problem, fix
     return error
+
+
+def exit_code(command, run, *given):
+    """Returns the exit code of `python -m tactel.COMMAND`, which run(*given) returns; an error becomes a line, and the code of the program."""
+    try:
+        return run(*given)
+    except (KeyboardInterrupt, _tactel.Cancelled):
+        return 130
+    except (_tactel.InputError, _tactel.HardwareError, OSError) as error:
+        print(f"tactel.{command}: {error}", file=sys.stderr)
+        return 3 if isinstance(error, _tactel.HardwareError) else 2
 
 
 def unknown(place, name, names, kind="argument"):

@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import HardwareError, InputError, Sides, __version__
-from ._calls import input_error
+from . import InputError, Sides, __version__
+from ._calls import exit_code, input_error
 from ._known_presses import Grid, Options, Press, amplifier_response, by_force, is_pad, press_numbers, sensed, sensor_numbers, transducers
 from ._press_files import calibrated_profile, read_presses
 from ._press_plan import plan_command
@@ -608,18 +608,9 @@ def _arguments(words):
 
 def main(words=None):
     given = _arguments(words)
-    try:
-        if given.command == "sensor":
-            return _sensor_command(given)
-        return plan_command(given, _warn)
-    except (InputError, OSError) as error:
-        print(f"tactel.calibrate: {error}", file=sys.stderr)
-        return 2
-    except HardwareError as error:
-        print(f"tactel.calibrate: {error}", file=sys.stderr)
-        return 3
-    except KeyboardInterrupt:
-        return 130
+    if given.command == "sensor":
+        return exit_code("calibrate", _sensor_command, given)
+    return exit_code("calibrate", plan_command, given, _warn)
 
 
 if __name__ == "__main__":

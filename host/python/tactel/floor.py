@@ -22,8 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress
-from ._calls import input_error
+from . import Cancelled, SlipEstimator, Sweep, __version__, _Progress
+from ._calls import exit_code, input_error
 
 REST = np.float32(0.05)  #: a frame below this share of the contact's largest stress ends the contact (nn/frame_history.h)
 MOST_FRAMES = 64
@@ -543,14 +543,7 @@ def _run(given):
 
 
 def main(words=None):
-    given = _arguments(words)
-    try:
-        return _run(given)
-    except (InputError, OSError) as error:
-        print(f"tactel.floor: {error}", file=sys.stderr)
-        return 2
-    except (KeyboardInterrupt, Cancelled):
-        return 130
+    return exit_code("floor", _run, _arguments(words))
 
 
 if __name__ == "__main__":

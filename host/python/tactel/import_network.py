@@ -14,7 +14,7 @@ import sys
 import numpy as np
 
 from . import InputError, Network, open_sensor
-from ._calls import input_error
+from ._calls import exit_code, input_error
 
 LARGEST_DIFFERENCE = 1e-4  # fp32 in both programs, in sums of other orders: a misread operation errs by far more
 RANDOM_FRAMES = 1000
@@ -364,12 +364,7 @@ def _run(given):
 
 
 def main(words=None):
-    given = _arguments(words)
-    try:
-        return _run(given)
-    except (InputError, OSError) as error:
-        print(f"tactel.import_network: {error}", file=sys.stderr)
-        return 2
+    return exit_code("import_network", _run, _arguments(words))
 
 
 if __name__ == "__main__":
