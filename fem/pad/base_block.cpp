@@ -52,7 +52,8 @@ class Bricks {
 /// column e of bricks.
 class Quarter {
  public:
-  Quarter(const BaseMesh& mesh, const std::array<int, 2>& cells, Bricks& all, int parity_y)
+  Quarter(const BaseMesh& mesh, const std::array<int, 2>& cells, Bricks& all, int parity_y,
+          const std::function<void()>& between)
       : mesh_(mesh),
         cells_(cells),
         parity_y_(parity_y),
@@ -61,11 +62,11 @@ class Quarter {
         levels_(2 * bricks(mesh.z)),
         size_(3 * across_ * levels_),
         bricks_(all) {
-    eliminate();
+    eliminate(between);
   }
 
   /// [3 places of the quarter][3 sources].
-  Eigen::MatrixXd stress(int parity_x) const;
+  Eigen::MatrixXd stress(int parity_x, const std::function<void()>& between) const;
 
  private:
   struct Column {
@@ -75,7 +76,7 @@ class Quarter {
   };
   Eigen::MatrixXd stiffness(int column) const;
   Eigen::MatrixXd load(int plane) const;
-  void eliminate();
+  void eliminate(const std::function<void()>& between);
   int at(int j, int k, int c) const { return 3 * (j * levels_ + k - 1) + c; }  ///< k: 1 to levels_
   bool held(int j, int c) const { return j == 0 && Parity{1, parity_y_}.in_y(c) < 0; }
 
@@ -119,11 +120,12 @@ Eigen::MatrixXd Quarter::load(int plane) const {
   return f;
 }
 
-void Quarter::eliminate() {
+void Quarter::eliminate(const std::function<void()>& between) {
   eliminated_.resize(columns_);
   middle_ = Eigen::MatrixXd::Zero(size_, size_);
   middle_load_ = load(2 * columns_);
   for (int e = columns_ - 1; e >= 0; --e) {
+    between();
     Column& column = eliminated_[e];
     Eigen::MatrixXd k = stiffness(e);
     k.bottomRightCorner(size_, size_) += middle_;
@@ -140,7 +142,7 @@ void Quarter::eliminate() {
   }
 }
 
-Eigen::MatrixXd Quarter::stress(int parity_x) const {
+Eigen::MatrixXd Quarter::stress(int parity_x, const std::function<void()>& between) const {
   Eigen::MatrixXd k = middle_, u = middle_load_;
   for (int i = 0; i < size_; ++i)
     if (Parity{parity_x, 1}.in_x(i % 3) < 0) k.row(i).setZero(), k.col(i).setZero(), u.row(i).setZero(), k(i, i) = 1;
@@ -148,6 +150,7 @@ Eigen::MatrixXd Quarter::stress(int parity_x) const {
   const int places_y = 2 * bricks(mesh_.y);
   Eigen::MatrixXd stress(static_cast<Eigen::Index>(3) * 2 * columns_ * places_y, u.cols());
   for (int e = 0; e < columns_; ++e) {
+    between();
     const Column& column = eliminated_[e];
     Eigen::MatrixXd planes(3 * size_, u.cols());
     planes << u, column.factor.matrixU().solve(column.load - column.to_first * u);
@@ -191,14 +194,15 @@ std::vector<double> graded_edges(double length, double finest, double growth,
   return edges;
 }
 
-Eigen::MatrixXd base_block(const BaseMesh& mesh, const std::array<int, 2>& cells, double poisson) {
+Eigen::MatrixXd base_block(const BaseMesh& mesh, const std::array<int, 2>& cells, double poisson,
+                           const std::function<void()>& between) {
   const std::array<int, 2> places{2 * bricks(mesh.x), 2 * bricks(mesh.y)};
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * 4 * places[0] * places[1],
                                                 static_cast<Eigen::Index>(3) * cells[0] * cells[1]);
   Bricks bricks(poisson);
   for (const int parity_y : {1, -1}) {
-    const Quarter quarter(mesh, cells, bricks, parity_y);
-    for (const int parity_x : {1, -1}) unfold(quarter.stress(parity_x), {parity_x, parity_y}, places, whole);
+    const Quarter quarter(mesh, cells, bricks, parity_y, between);
+    for (const int parity_x : {1, -1}) unfold(quarter.stress(parity_x, between), {parity_x, parity_y}, places, whole);
   }
   return whole;
 }

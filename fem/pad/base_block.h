@@ -25,7 +25,10 @@ std::vector<double> gauss_places(const std::vector<double>& edges);
 /// surface, E = 1: tau_x, tau_y, sigma_z at (i, j) of gauss_places, [3 (i count_y + j) + component], [3 places][3
 /// sources]. `cells`: number along x and y of the quarter's equal ones; sources (i, j) from the middle outwards, [i
 /// cells[1] + j], x, y, z of each. Columns of bricks are eliminated from the side inwards, which both parities about x
-/// = 0 share (block tridiagonal, dense Cholesky factors).
-Eigen::MatrixXd base_block(const BaseMesh& mesh, const std::array<int, 2>& cells, double poisson);
+/// = 0 share (block tridiagonal, dense Cholesky factors). `between` is called before each column and may throw, which
+/// ends it.
+Eigen::MatrixXd base_block(
+    const BaseMesh& mesh, const std::array<int, 2>& cells, double poisson,
+    const std::function<void()>& between = [] {});
 
 }  // namespace tactel::fem

@@ -28,7 +28,7 @@ class Quarter {
   }
 
   /// [3 cells][3 sources]: mean displacements of the quarter's cells.
-  Eigen::MatrixXd solve() const;
+  Eigen::MatrixXd solve(const std::function<void()>& between) const;
 
  private:
   void number();
@@ -115,13 +115,14 @@ Eigen::MatrixXd Quarter::loads(int plane) const {
   return f;
 }
 
-Eigen::MatrixXd Quarter::solve() const {
+Eigen::MatrixXd Quarter::solve(const std::function<void()>& between) const {
   const int last = planes_ - 1, sources = 3 * cells_[0] * cells_[1];
   // Forward: S_k = K_kk - L S_(k-1)^-1 L', the inverses and S_k^-1 f_k are kept. Parity holds rows and columns of the
   // first plane, whose inverse therefore has none of them but ones on the diagonal, which L must not see.
   std::vector<Eigen::MatrixXd> inverse(planes_), solved(planes_);
   const Sparse &down = slab_[1][0], &up = slab_[0][1];
   for (int k = 0; k < planes_; ++k) {
+    between();
     Eigen::MatrixXd s = Eigen::MatrixXd::Zero(size_, size_), f = loads(k);
     if (k < last) s += slab_[0][0];
     if (k > 0) {
@@ -141,6 +142,7 @@ Eigen::MatrixXd Quarter::solve() const {
   // Back, with means over cells.
   Eigen::MatrixXd surface = Eigen::MatrixXd::Zero(sources, sources), u;
   for (int k = last; k >= 0; --k) {
+    between();
     Eigen::MatrixXd now =
         k == last ? Eigen::MatrixXd(Eigen::MatrixXd::Zero(size_, sources)) : Eigen::MatrixXd(-(inverse[k] * (up * u)));
     now.leftCols(solved[k].cols()) += solved[k];
@@ -168,7 +170,7 @@ Eigen::MatrixXd transposed(const Eigen::MatrixXd& m, int n) {
 
 }  // namespace
 
-Eigen::MatrixXd brick_block(const BrickMesh& mesh, double poisson) {
+Eigen::MatrixXd brick_block(const BrickMesh& mesh, double poisson, const std::function<void()>& between) {
   const std::array<int, 2> cells{mesh.nx / 2, mesh.ny / 2};
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3) * mesh.nx * mesh.ny,
                                                 static_cast<Eigen::Index>(3) * cells[0] * cells[1]);
@@ -178,7 +180,7 @@ Eigen::MatrixXd brick_block(const BrickMesh& mesh, double poisson) {
     if (square && parity.x < parity.y)  // the one before, mirrored
       now = transposed(now, cells[0]);
     else
-      now = Quarter(mesh, poisson, parity).solve();
+      now = Quarter(mesh, poisson, parity).solve(between);
     unfold(now, parity, cells, whole);
   }
   return whole;

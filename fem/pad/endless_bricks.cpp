@@ -81,7 +81,8 @@ Eigen::Matrix3d solve_waves(const std::vector<BrickMatrix>& layers, double a, do
 
 }  // namespace
 
-EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std::array<int, 2>& period) {
+EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std::array<int, 2>& period,
+                               const std::function<void()>& between) {
   std::vector<BrickMatrix> layers;
   for (int k = 0; k < mesh.layers(); ++k)
     layers.push_back(brick_stiffness(mesh.dx(), mesh.dy(), mesh.levels[k + 1] - mesh.levels[k], poisson));
@@ -90,7 +91,8 @@ EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std:
   for (Eigen::MatrixXd& m : surface) m.resize(count_x, count_y);
   const bool square = mesh.hx == mesh.hy && count_x == count_y;
   constexpr std::array other{1, 0, 2};
-  for (int p = 0; p < count_x; ++p)
+  for (int p = 0; p < count_x; ++p) {
+    between();
     for (int q = 0; q < count_y; ++q) {
       if (square && q < p) {  // (q, p), mirrored
         for (int c = 0; c < 9; ++c) {
@@ -105,6 +107,7 @@ EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std:
       const Eigen::Matrix3d response = solve_waves(layers, a, b);
       for (int c = 0; c < 9; ++c) surface[c](p, q) = load * mean * response(c / 3, c % 3);
     }
+  }
   // Back to places. The wave of an odd component is i sin; of the z components above, u_x = i sin(..) (i f_z).
   EndlessResponse out;
   const auto at_places = [&](const Eigen::MatrixXd& of, int c, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "fem/pad/brick.h"
@@ -13,7 +14,10 @@ namespace tactel::fem {
 using EndlessResponse = std::array<Eigen::MatrixXd, 6>;
 
 /// Solves the layer, of the mesh's bricks, by Fourier series over periods of so many bricks along x and y: three
-/// unknowns a level for each pair of wave numbers. The real form takes -i u_z for u_z (by reflection).
-EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std::array<int, 2>& period);
+/// unknowns a level for each pair of wave numbers. The real form takes -i u_z for u_z (by reflection). `between` is
+/// called before each wave number along x and may throw, which ends it.
+EndlessResponse endless_bricks(
+    const BrickMesh& mesh, double poisson, const std::array<int, 2>& period,
+    const std::function<void()>& between = [] {});
 
 }  // namespace tactel::fem

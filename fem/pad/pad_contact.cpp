@@ -209,7 +209,7 @@ bool PadContact::solve(int most_sweeps, int& sweeps) {
   double w = relaxation, least = infinity, least_before = infinity;  // change of these sweeps, and those before them
   for (int k = 0; k < most_sweeps; ++k) {
     ++sweeps;
-    if (options_.between_sweeps) options_.between_sweeps();
+    options_.between_sweeps();
     if (k >= damped_after && (k - damped_after) % damped_again_after == 0) {
       if (k == damped_after || least > progress * least_before) w /= 2;
       least_before = std::exchange(least, infinity);

@@ -25,9 +25,9 @@ struct PadOptions {
   int most_sweeps = 2000;       ///< an increment that needs more is not converged; those after it get 300
   int most_growths = 4;         ///< times that the grid may grow
   // Of the twin alone.
-  SideBricks side_bricks = SideBricks::usual;  ///< of free sides
-  bool whole_path = true;                      ///< false: steps after one that is not converged are left out
-  std::function<void()> between_sweeps{};      ///< may throw, which ends the solution
+  SideBricks side_bricks = SideBricks::usual;    ///< of free sides
+  bool whole_path = true;                        ///< false: steps after one that is not converged are left out
+  std::function<void()> between_sweeps = [] {};  ///< and while tables are made (sides_at); may throw, which ends it
   // Of the kernel alone.
   bool any_poisson = false;  ///< scenes with a Poisson's ratio each: tables by polynomials in it, right to 1e-7
   int vectors = 0;           ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch

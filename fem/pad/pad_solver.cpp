@@ -125,7 +125,8 @@ struct PadWorld {
       stress = base_stress_of_cells(layer, scene, cells);
       return;
     }
-    const PadSides sides = sides_at(scene.sensor, position(scene.indenter), options.side_bricks);
+    const PadSides sides =
+        sides_at(scene.sensor, position(scene.indenter), options.side_bricks, options.between_sweeps);
     table.emplace(table_of(layer, cells, scene, sides));
     stress = base_stress_of_cells(layer, scene, cells, sides);
   }
@@ -450,11 +451,11 @@ PadSolution PadSolver::solve(const PadScene& scene) const {
 }
 
 PadSolution PadSolver::solve_on_grown(const PadScene& scene) const {
-  auto [indenter, cells, depth] =
-      has_free_sides(scene.sensor)
-          ? lay_cells_on_pad(scene, layer_, options_.cells,
-                             sides_at(scene.sensor, position(scene.indenter), options_.side_bricks))
-          : lay_cells(scene, layer_, options_.cells, options_.ladder);
+  auto [indenter, cells, depth] = has_free_sides(scene.sensor)
+                                      ? lay_cells_on_pad(scene, layer_, options_.cells,
+                                                         sides_at(scene.sensor, position(scene.indenter),
+                                                                  options_.side_bricks, options_.between_sweeps))
+                                      : lay_cells(scene, layer_, options_.cells, options_.ladder);
   PadScene seen = scene;
   seen.indenter = std::move(indenter);
   for (int growths = 0;; ++growths) {

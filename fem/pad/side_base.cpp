@@ -77,7 +77,7 @@ double SideBase::work(const SideGrid& grid, double poisson, const BaseGrading& g
 }
 
 SideBase::SideBase(const SideGrid& grid, double poisson, const BaseGrading& grading,
-                   const std::filesystem::path& cache_directory)
+                   const std::filesystem::path& cache_directory, const std::function<void()>& between)
     : grid_(grid) {
   const double nu = std::min(poisson, most_poisson_of_bricks);
   const BaseMesh mesh = base_mesh(grid.sides, grading);
@@ -87,15 +87,15 @@ SideBase::SideBase(const SideGrid& grid, double poisson, const BaseGrading& grad
   const CacheFile file = file_of(grid, nu, grading, cache_directory);
   const auto size = static_cast<std::size_t>(rows_.size());
   if (read_arrays(file, std::array{std::span<double>(rows_.data(), size)})) return;
-  make(nu, mesh);
+  make(nu, mesh, between);
   write_arrays(file, std::array{std::span<const double>(rows_.data(), size)});
 }
 
-void SideBase::make(double poisson, const BaseMesh& mesh) {
+void SideBase::make(double poisson, const BaseMesh& mesh, const std::function<void()>& between) {
   const PadLayer layer = pad_layer(poisson);
   const std::array<double, 2> c{grid_.cell(0), grid_.cell(1)};
   const std::array<int, 2> quarter{grid_.cells[0] / 2, grid_.cells[1] / 2};
-  rows_ = base_block(mesh, quarter, poisson);
+  rows_ = base_block(mesh, quarter, poisson, between);
   const auto places_y = static_cast<int>(places_[1].size());
   for (int place = 0; place < static_cast<int>(places_[0].size()) * places_y; ++place) {
     const double x = places_[0][place / places_y], y = places_[1][place % places_y];

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <filesystem>
+#include <functional>
 
 #include "fem/condensation.h"
 #include "fem/pad/base_block.h"
@@ -24,9 +25,11 @@ struct BaseGrading {
 /// Lengths over H, E = 1. Some tenths of a second; a file of the cache holds it.
 class SideBase {
  public:
-  /// 0 <= poisson <= 1/2, above 0.49999 of that.
-  SideBase(const SideGrid& grid, double poisson, const BaseGrading& grading,
-           const std::filesystem::path& cache_directory = default_cache_directory());
+  /// 0 <= poisson <= 1/2, above 0.49999 of that. `between` as in base_block.
+  SideBase(
+      const SideGrid& grid, double poisson, const BaseGrading& grading,
+      const std::filesystem::path& cache_directory = default_cache_directory(),
+      const std::function<void()>& between = [] {});
 
   /// Returns how many floating-point operations it takes to make one; 0 where a file of the cache holds it.
   static double work(const SideGrid& grid, double poisson, const BaseGrading& grading);
@@ -38,7 +41,7 @@ class SideBase {
   Eigen::MatrixXd stress(double x, double y) const;
 
  private:
-  void make(double poisson, const BaseMesh& mesh);
+  void make(double poisson, const BaseMesh& mesh, const std::function<void()>& between);
 
   SideGrid grid_;
   std::array<std::vector<double>, 2> places_;

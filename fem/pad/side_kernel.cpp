@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <list>
 #include <mutex>
 #include <span>
@@ -68,23 +69,23 @@ double SideKernel::work(const std::array<double, 2>& sides, double poisson, cons
 }
 
 SideKernel::SideKernel(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh,
-                       const std::filesystem::path& cache_directory)
+                       const std::filesystem::path& cache_directory, const std::function<void()>& between)
     : sides_(sides), mesh_(mesh) {
   const double nu = std::min(poisson, most_poisson_of_bricks);
   quarter_.resize(3 * nodes(), 3 * quarter());
   const CacheFile file = file_of(sides, nu, mesh, cache_directory);
   const auto size = static_cast<std::size_t>(quarter_.size());
   if (!read_arrays(file, std::array{std::span<double>(quarter_.data(), size)})) {
-    make(nu);
+    make(nu, between);
     write_arrays(file, std::array{std::span<const double>(quarter_.data(), size)});
   }
   unfold();
 }
 
-void SideKernel::make(double poisson) {
+void SideKernel::make(double poisson, const std::function<void()>& between) {
   const BrickMesh mesh = bricks(sides_, mesh_);
-  quarter_ = brick_block(mesh, poisson);
-  const EndlessResponse endless = endless_bricks(mesh, poisson, mesh_.period);
+  quarter_ = brick_block(mesh, poisson, between);
+  const EndlessResponse endless = endless_bricks(mesh, poisson, mesh_.period, between);
   const auto [nx, ny] = mesh_.cells;
   constexpr std::array<std::array<int, 3>, 3> of{{{1, 3, 4}, {3, 2, 5}, {4, 5, 0}}};  // plane of (to, by)
   const auto sign_of = [](int to, int by, double dx, double dy) {
@@ -139,21 +140,38 @@ BaseGrading grading_of(SideBricks bricks) {
   return bricks == SideBricks::finest ? BaseGrading{.finest = 0.05, .widest = 0.4, .highest = 0.35} : BaseGrading{};
 }
 
-/// Returns what `make` makes for a key, or made before in this process, as the last ones used.
-template <class T, class Key, class Make>
-std::shared_ptr<const T> kept(const Key& key, Make make) {
-  constexpr std::size_t most_kept = 8;
-  static std::mutex mutex;
-  static std::list<std::pair<Key, std::shared_ptr<const T>>> all;  // the last used first
-  const std::lock_guard lock(mutex);
-  const auto found = std::ranges::find(all, key, &std::pair<Key, std::shared_ptr<const T>>::first);
-  if (found != all.end())
-    all.splice(all.begin(), all, found);
-  else
-    all.emplace_front(key, std::make_shared<const T>(make()));
-  if (all.size() > most_kept) all.pop_back();
-  return all.front().second;
-}
+/// The last things used of this process, by their keys.
+template <class Key, class T>
+class Kept {
+ public:
+  /// Returns what `make` makes, or made before.
+  template <class Make>
+  std::shared_ptr<const T> get(const Key& key, Make make) {
+    const std::lock_guard lock(mutex_);
+    if (!has(key)) all_.emplace_front(key, std::make_shared<const T>(make()));
+    if (all_.size() > most_kept) all_.pop_back();
+    return all_.front().second;
+  }
+  /// Returns it where it is there.
+  std::shared_ptr<const T> find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    return has(key) ? all_.front().second : nullptr;
+  }
+
+ private:
+  static constexpr std::size_t most_kept = 8;
+
+  /// Whether it is there; then it is the first.
+  bool has(const Key& key) {
+    const auto found = std::ranges::find(all_, key, &std::pair<Key, std::shared_ptr<const T>>::first);
+    if (found == all_.end()) return false;
+    all_.splice(all_.begin(), all_, found);
+    return true;
+  }
+
+  std::mutex mutex_;
+  std::list<std::pair<Key, std::shared_ptr<const T>>> all_;  ///< the last used first
+};
 
 }  // namespace
 
@@ -161,12 +179,13 @@ double seconds_for_sides(const PadSensor& sensor, SideBricks judge) {
   constexpr double a_second = 1.2e10;  // operations of one core, about
   const std::array<double, 2> sides = block_of(sensor);
   double work = SideBase::work({sides, side_mesh(sides, SideBricks::usual).cells}, sensor.poisson, grading_of(judge));
-  for (const SideBricks bricks : {SideBricks::usual, judge})
-    work += SideKernel::work(sides, sensor.poisson, side_mesh(sides, bricks));
+  work += SideKernel::work(sides, sensor.poisson, side_mesh(sides, SideBricks::usual));
+  if (judge != SideBricks::usual) work += SideKernel::work(sides, sensor.poisson, side_mesh(sides, judge));
   return work / a_second;
 }
 
-PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks) {
+PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks,
+                  const std::function<void()>& between) {
   PadSides at{.thickness = sensor.thickness};
   const std::array<double, 2> sides = block_of(sensor);
   const std::array whole{sensor.length.value(), sensor.width.value()};
@@ -174,11 +193,22 @@ PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBri
     const double spare = (whole[axis] - std::min(whole[axis], longest_block * sensor.thickness)) / 2;
     at.middle[axis] = std::clamp(place[axis], -spare, spare);
   }
-  at.kernel = kept<SideKernel>(std::tuple(sides[0], sides[1], sensor.poisson, bricks),
-                               [&] { return SideKernel(sides, sensor.poisson, side_mesh(sides, bricks)); });
-  at.base = kept<SideBase>(std::tuple(sides[0], sides[1], sensor.poisson, bricks == SideBricks::finest), [&] {
-    return SideBase({sides, side_mesh(sides, SideBricks::usual).cells}, sensor.poisson, grading_of(bricks));
+  const std::tuple surface(sides[0], sides[1], sensor.poisson, bricks);
+  const std::tuple below(sides[0], sides[1], sensor.poisson, bricks == SideBricks::finest);
+  static Kept<std::tuple<double, double, double, SideBricks>, SideKernel> kernels;
+  static Kept<std::tuple<double, double, double, bool>, SideBase> bases;
+  std::future<std::shared_ptr<const SideBase>> made;  // ends before what it uses
+  if (!(at.base = bases.find(below)))
+    made = std::async(std::launch::async, [&] {
+      return bases.get(below, [&] {
+        return SideBase({sides, side_mesh(sides, SideBricks::usual).cells}, sensor.poisson, grading_of(bricks),
+                        default_cache_directory(), between);
+      });
+    });
+  at.kernel = kernels.get(surface, [&] {
+    return SideKernel(sides, sensor.poisson, side_mesh(sides, bricks), default_cache_directory(), between);
   });
+  if (made.valid()) at.base = made.get();
   return at;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "fem/condensation.h"
@@ -38,9 +39,11 @@ SideMesh side_mesh(const std::array<double, 2>& sides, SideBricks bricks);
 /// the cache holds it.
 class SideKernel {
  public:
-  /// 0 <= poisson <= 1/2, above 0.49999 of that.
-  SideKernel(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh,
-             const std::filesystem::path& cache_directory = default_cache_directory());
+  /// 0 <= poisson <= 1/2, above 0.49999 of that. `between` as in brick_block.
+  SideKernel(
+      const std::array<double, 2>& sides, double poisson, const SideMesh& mesh,
+      const std::filesystem::path& cache_directory = default_cache_directory(),
+      const std::function<void()>& between = [] {});
 
   /// Returns how many floating-point operations it takes to make one; 0 where a file of the cache holds it.
   static double work(const std::array<double, 2>& sides, double poisson, const SideMesh& mesh);
@@ -60,7 +63,7 @@ class SideKernel {
  private:
   int nodes() const { return mesh_.cells[0] * mesh_.cells[1]; }
   int quarter() const { return nodes() / 4; }
-  void make(double poisson);
+  void make(double poisson, const std::function<void()>& between);
   void unfold();
 
   std::array<double, 2> sides_;
@@ -88,7 +91,11 @@ struct PadSides {
 };
 inline constexpr double longest_block = 12;  ///< H
 
-/// Returns the sides that a contact around a place on the pad, mm, has; kernels of this process are kept.
-PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks);
+/// Returns the sides that a contact around a place on the pad, mm, has; tables of this process are kept. Those of the
+/// surface and of the base are made side by side. `between` is called often, by two threads, and may throw, which ends
+/// it.
+PadSides sides_at(
+    const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks,
+    const std::function<void()>& between = [] {});
 
 }  // namespace tactel::fem

@@ -170,7 +170,7 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .drag_increments = 2,
                                 .side_bricks = fem::SideBricks::finer,
                                 .whole_path = false,
-                                .between_sweeps = &StopScope::check};
+                                .between_sweeps = StopScope::checker()};
   const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }

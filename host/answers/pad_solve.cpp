@@ -49,7 +49,7 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   if (outcome.rung.exact) {
     outcome.solver = "reference";
     fem::PadOptions reference = fem::pad_reference_options();
-    reference.between_sweeps = &StopScope::check;
+    reference.between_sweeps = StopScope::checker();
     fem::PadReferenceSolution answer = fem::PadReference(layer, reference).solve(outcome.scene);
     outcome.error = {
         .expected = answer.error, .from = "half as many cells", .largest = answer.error.S, .scenes = "this scene"};
@@ -61,7 +61,7 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   fem::PadOptions twin = model_of(outcome.rung).options;
   twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
   if (options.tolerance) twin.accept = *options.tolerance;
-  twin.between_sweeps = &StopScope::check;
+  twin.between_sweeps = StopScope::checker();
   outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);
 }
 

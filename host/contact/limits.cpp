@@ -13,6 +13,7 @@
 #include "fem/pad/pad_search.h"
 #include "fem/stress_field.h"
 #include "fem/value_error.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -34,9 +35,9 @@ double missing_at_edge(double distance, double at_near, double at_far) {
 fem::PadLayout lay(const fem::PadScene& scene, int cells) {
   const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
   if (fem::has_free_sides(scene.sensor))
-    return fem::lay_cells_on_pad(
-        scene, layer, cells,
-        fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]}, fem::SideBricks::usual));
+    return fem::lay_cells_on_pad(scene, layer, cells,
+                                 fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]},
+                                               fem::SideBricks::usual, StopScope::checker()));
   fem::PadScene seen = scene;
   seen.indenter = fem::aligned(scene.indenter);
   const fem::PadSearch found = fem::find_pad_contact(seen, layer);
@@ -49,7 +50,8 @@ fem::PadLayout lay(const fem::PadScene& scene, int cells) {
 
 bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
   const auto& position = scene.indenter.position;
-  const fem::PadSides sides = fem::sides_at(scene.sensor, {position[0], position[1]}, fem::SideBricks::usual);
+  const fem::PadSides sides =
+      fem::sides_at(scene.sensor, {position[0], position[1]}, fem::SideBricks::usual, StopScope::checker());
   const fem::PadBox box = laid.box();
   const double H = sides.thickness, angle = fem::radians(laid.frame(scene.indenter));
   const std::array whole{*scene.sensor.length, *scene.sensor.width};

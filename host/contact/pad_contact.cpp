@@ -22,6 +22,7 @@
 #include "host/contact/pad_side_tables.h"
 #include "host/contact/strata.h"
 #include "host/support/side_by_side.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 
@@ -274,7 +275,7 @@ void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& a
     auto& [scene, path, cells] = scenes.all_[i];
     OnCells& to = all[i];
     const auto& at = scene.indenter.position;
-    to.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual);
+    to.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual, StopScope::checker());
     double depth = 0;
     if (!cells) {
       fem::PadLayout laid = fem::lay_cells_on_pad(scene, layer, options.cells, to.sides);

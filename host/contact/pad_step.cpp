@@ -17,6 +17,7 @@
 #include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
 #include "kernels/shared/pad_step_layout.h"
 
@@ -189,7 +190,7 @@ struct PadStepper<Real>::State {
     check_count();
     if (fem::has_free_sides(pad)) {
       check_within(pad, options);
-      sides = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual);
+      sides = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual, StopScope::checker());
       if (pairs.empty())
         pairs = pairs_of({fem::pad_layer(pad.poisson), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells);
     }

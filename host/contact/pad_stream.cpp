@@ -47,7 +47,7 @@ fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& s
   fem::PadOptions exact = contact.options();
   exact.tolerance = std::min(exact_tolerance, exact.tolerance);
   exact.most_sweeps = fem::PadOptions{}.most_sweeps, exact.most_growths = fem::PadOptions{}.most_growths;
-  exact.between_sweeps = &StopScope::check;
+  exact.between_sweeps = StopScope::checker();
   fem::PadSolution solution = fem::PadSolver(*layer, exact).solve(scene);
   if (!every_step_converged(solution) && exact.cells < finest_cells) {
     exact.cells = finest_cells, exact.whole_path = false;
@@ -96,7 +96,7 @@ std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::
   return std::visit(
       [&]<class Real>(const PadContact<Real>& contact) -> std::shared_ptr<const SensorSolver<PadContacts>> {
         if (fem::has_free_sides(sensor))
-          fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual);
+          fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual, StopScope::checker());
         else
           contact.layer(sensor.poisson);
         const bool is_long = fem::has_free_sides(sensor) &&

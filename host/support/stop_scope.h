@@ -23,6 +23,10 @@ class StopScope {
   static void check() {
     if (asked()) throw Stopped("stopped");
   }
+  /// Returns check() of the scope that is current now, for any thread to call while it lives.
+  static std::function<void()> checker() {
+    return [asked = current_] { StopScope(asked).check(); };
+  }
 
  private:
   static inline thread_local const Asked* current_ = nullptr;

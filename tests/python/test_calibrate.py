@@ -319,6 +319,18 @@ class TestCommand(unittest.TestCase):
         code, _, err = self.run_command("sensor", self.folder / "r.toml", "--profile", "uskin-4x6", "--output", self.folder / "p2.toml")
         self.assertIn("a scene of a pad with the profile's 4 x 6 tactels", err)
 
+    def test_a_kill_leaves_the_old_file(self):
+        path = self.folder / "kept.toml"
+        path.write_text("old")
+        killed = f"""if True:
+            import os
+            from tactel import _calls
+            os.fsync = lambda _: os.kill(os.getpid(), 9)
+            _calls.write_text({str(path)!r}, "new")
+        """
+        self.assertEqual(subprocess.run([sys.executable, "-c", killed], check=False).returncode, -9)
+        self.assertEqual(path.read_text(), "old")
+
     def test_says_what_is_missing(self):
         code = "import sys; sys.modules['scipy'] = None; from tactel import calibrate; sys.exit(calibrate.main(['sensor', 'r', '--profile', 'p', '--output', 'o']))"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

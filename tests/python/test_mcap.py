@@ -219,7 +219,7 @@ class Mcap(unittest.TestCase):
                 program.stdin.write(b"\xff\noops,1\n")
                 sent, at = 0, {}
                 begin = None
-                while begin is None or time.monotonic() < begin + 2.2:
+                while begin is None or time.monotonic() < begin + 4.2:
                     program.stdin.write(b"%d,7\n" % sent)
                     program.stdin.flush()
                     at[sent], sent = time.monotonic(), sent + 1
@@ -240,7 +240,7 @@ class Mcap(unittest.TestCase):
             else:
                 self.assertIn("has no end", err)
                 # a second, and what the reading process was late on a busy machine
-                self.assertLess(end - at[len(rows)], 1.5)
+                self.assertLess(end - at.get(len(rows), end), 2.5)
 
     def test_as_a_program(self):
         for text, code, out, err in (("\n".join(NUMBERS) + "\n", 0, NUMBERS, ""), ("1,2\n3,4", 0, ["1,2"], "the last line has no end"), ("1,2\nbad\n3,4\n", 0, ["1,2", "3,4"], "1 lines are left out; the first, line 2: text")):

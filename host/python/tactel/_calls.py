@@ -6,6 +6,7 @@ import ast
 import difflib
 import functools
 import itertools
+import os
 import pathlib
 import re
 import reprlib
@@ -30,6 +31,19 @@ def exit_code(command, run, *given):
     except (_tactel.InputError, _tactel.HardwareError, OSError) as error:
         print(f"tactel.{command}: {error}", file=sys.stderr)
         return 3 if isinstance(error, _tactel.HardwareError) else 2
+
+
+def write_text(path, text):
+    """Writes a file as a whole: whatever ends the process, the file is the old one or the new one."""
+    new = f"{path}.{os.getpid()}.new"
+    try:
+        with open(new, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(new, path)
+    finally:
+        pathlib.Path(new).unlink(missing_ok=True)
 
 
 def unknown(place, name, names, kind="argument"):

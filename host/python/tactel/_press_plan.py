@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from . import Cylinder, Flat, Press, Scene, Sensor, Wedge, read_scene
-from ._calls import _tactel, input_error
+from ._calls import _tactel, input_error, write_text
 from ._known_presses import Grid, Options, by_force, indented, is_pad, press_numbers, sensor_numbers, transducers
 from ._press_files import Table, read_fit, read_tables, same_sensor, steps
 
@@ -229,13 +229,13 @@ def _write_plan(path, chosen, fit_text, forces):
             "# Correct times, begin and end to what was done.\n" + fit_text)
     for i, press in enumerate(chosen):
         name = f"{path.stem}-{i + 1:02}"
-        (path.parent / f"{name}.toml").write_text(press.scene.with_(title=press.indenter).toml(), encoding="utf-8")
+        write_text(path.parent / f"{name}.toml", press.scene.with_(title=press.indenter).toml())
         begin, end, time = (json.dumps([round(float(t), 3) for t in part]) for part in press.timing)
         text += (f"\n[press-{i + 1:02}]  # {press.indenter} at {press.scene.indenter.position:g} mm\nscene = {json.dumps(name + '.toml')}\n"
                  f"recording = {json.dumps(name + '.tactel')}\ntimes = {time}\nbegin = {begin}\nend = {end}\nwindow = {WINDOW}\n")
         if forces:
             text += f"# P = [ ]  # N/mm: force over length of the indenter, measured at these {steps(press.scene)} times\n"
-    path.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def plan_command(given, warn):
@@ -270,7 +270,7 @@ def plan_command(given, warn):
                    zip(chosen, plan.chosen)]
         found = {"candidates": len(candidates), "presses": presses, "noise": [null(one) for one in plan.noise],
                  "planned": {**{key: null(value) for _, key, value, _ in rows}, "gain": [null(one) for one in gains]}, "lost": lost}
-        Path(given.json).write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+        write_text(given.json, json.dumps(found, indent=2) + "\n")
     if given.quiet:
         return 0
     if noise is None and given.noise is None:

@@ -17,12 +17,11 @@ import json
 import math
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from . import InputError, Sides, __version__
-from ._calls import exit_code, input_error
+from ._calls import exit_code, input_error, write_text
 from ._known_presses import Grid, Options, Press, amplifier_response, by_force, is_pad, press_numbers, sensed, sensor_numbers, transducers
 from ._press_files import calibrated_profile, read_presses
 from ._press_plan import plan_command
@@ -557,9 +556,9 @@ def _sensor_command(given):
     found = fit(presses, options)
     remarks = remarks_of(found, presses, noise)
     if given.json:
-        Path(given.json).write_text(json.dumps(to_json(found, presses, noise), indent=2) + "\n", encoding="utf-8")
+        write_text(given.json, json.dumps(to_json(found, presses, noise), indent=2) + "\n")
     if given.html:
-        Path(given.html).write_text(page(found, presses, remarks), encoding="utf-8")
+        write_text(given.html, page(found, presses, remarks))
     if given.plot:
         _figure(found, presses).savefig(given.plot)
     if not given.quiet:
@@ -572,7 +571,7 @@ def _sensor_command(given):
               file=sys.stderr)
         return 4
     remarks += [fault.text for fault in found.faults if fault.kind == "model_misfit"]
-    Path(given.output).write_text(calibrated_profile(given.profile, found, noise, remarks), encoding="utf-8")
+    write_text(given.output, calibrated_profile(given.profile, found, noise, remarks))
     if not given.quiet:
         print(f"the calibrated profile is in {given.output}")
     return 0

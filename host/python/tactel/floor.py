@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import Cancelled, SlipEstimator, Sweep, __version__, _Progress
-from ._calls import exit_code, input_error
+from ._calls import exit_code, input_error, write_text
 
 REST = np.float32(0.05)  #: a frame below this share of the contact's largest stress ends the contact (nn/frame_history.h)
 MOST_FRAMES = 64
@@ -536,8 +536,7 @@ def _run(given):
         sys.stdout.write(text)
         return 0 if all(one["converged"] for one in floors) else 4
     if given.json:
-        with open(given.json, "w", encoding="utf-8") as file:
-            file.write(text)
+        write_text(given.json, text)
     print(table(found) if len(floors) == 1 else skin_table(floors))
     return 0 if all(one["converged"] for one in floors) else 4
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -299,6 +300,27 @@ TEST(SideKernel, IsReadBackToTheLastBit) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2);
   EXPECT_FALSE(made.displacement() == other.displacement());
   std::filesystem::remove_all(folder);
+}
+
+TEST(SidesAt, EndWhereAsked) {
+  struct Ended {};
+  const PadSensor sensor{.thickness = 2.3, .poisson = 0.47, .length = 16, .width = 19, .sides = Sides::free};
+  std::atomic calls = 0;
+  const auto end_at = [&](int call) {
+    return [&calls, call] {
+      if (++calls >= call) throw Ended();
+    };
+  };
+  for (const int call : {1, 5, 20}) {
+    calls = 0;
+    EXPECT_THROW(sides_at(sensor, {0, 0}, SideBricks::usual, end_at(call)), Ended) << call;
+    EXPECT_LE(calls, call + 1);  // by two threads
+  }
+  const PadSides sides = sides_at(sensor, {0, 0}, SideBricks::usual, [&] { ++calls; });
+  EXPECT_TRUE(sides.kernel && sides.base);
+  calls = 0;
+  EXPECT_EQ(sides_at(sensor, {0, 0}, SideBricks::usual, end_at(1)).kernel, sides.kernel);  // made already
+  EXPECT_EQ(calls, 0);
 }
 
 }  // namespace

@@ -73,6 +73,31 @@ class Generate : public ::testing::Test {
   std::string sweep_ = folder_.write("sweep.toml", sweep_text);
 };
 
+TEST_F(Generate, SaysWhatTablesOfFreeSidesTake) {
+  const std::string sweep = folder_.write("pads.toml", R"([sweep]
+contacts = 2
+[sensor]
+kind = "pad"
+tactels = [4, 4]
+pitch = 4
+length = 25
+width = 24
+thickness = 3.5
+poisson = { choice = [0.46, 0.461] }
+[indenter]
+shape = "sphere"
+radius = 9
+[load]
+indentation = 0.2
+)");
+  const auto begun = [&] {
+    return run_child({"env", "TACTEL_CACHE_DIR=" + (folder_ / "cache").string(), TACTEL_PROGRAM, "generate", sweep,
+                      "--force", "--output", output("pads.h5")});
+  };
+  EXPECT_THAT(begun().err, testing::ContainsRegex("note: tables of free sides take about [1-9]+ s, for [12] rubbers"));
+  EXPECT_THAT(begun().err, testing::Not(HasSubstr("free sides")));
+}
+
 // Three chunks of contacts on pads.
 TEST_F(Generate, WithoutADeviceLeavesNothing) {
   const std::string set = output("none.h5");
