@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <map>
 #include <optional>
 
 #include "fem/pad/side_kernel.h"
@@ -210,25 +207,14 @@ Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& op
   return chosen;
 }
 
-/// "tables of free sides take about 3 min: 20 rubbers" where they take a second or more.
+/// "tables of free sides take about 3 min, for 200 sensors" where they take a second or more.
 std::string tables_of_sides(const PadSource& source) {
-  constexpr std::uint64_t looked_at = 1000;
-  const std::uint64_t contacts = std::min(source.contacts(), looked_at);
-  std::map<std::array<double, 4>, double> seconds;  // of each rubber
-  for (std::uint64_t k = 0; k < contacts; ++k) {
-    const fem::PadSensor sensor = source.contact(k).scene.sensor;
-    if (!fem::has_free_sides(sensor)) continue;
-    const auto [made, is_new] =
-        seconds.try_emplace({*sensor.length, *sensor.width, sensor.thickness, sensor.poisson}, 0);
-    if (is_new) made->second = fem::seconds_for_sides(sensor, fem::SideBricks::usual);
-  }
-  // Where every contact has a rubber of its own, so have those that were not looked at.
-  const double more = seconds.size() == looked_at ? static_cast<double>(source.contacts()) / looked_at : 1;
-  double all = 0;
-  for (const auto& [rubber, one] : seconds) all += more * one;
-  return all < 1 ? ""
-                 : fmt::format("tables of free sides take about {}, for {:.0f} rubbers", duration_text(all),
-                               more * static_cast<double>(seconds.size()));
+  double seconds = 0;
+  for (const fem::PadSensor& sensor : source.sensors())
+    if (fem::has_free_sides(sensor)) seconds += fem::seconds_for_sides(sensor, fem::SideBricks::usual);
+  return seconds < 1 ? ""
+                     : fmt::format("tables of free sides take about {}, for {} sensors", duration_text(seconds),
+                                   source.sensors().size());
 }
 
 int run_generate(const GenerateRequest& request) {
