@@ -80,16 +80,17 @@ def along(half, at, p, axis, count):
         return rubber.graded(half, [], count)
     reach = np.sqrt(p["radius"] * p["depth"])
     if p["shape"] == "sphere":
-        return across_ball(half, max(0, at - 1.05 * reach), at + 1.05 * reach, 2.1 * reach / count)
+        slope = 0.3 if p["kind"] == "ball" else 0.5  # no tactel may lie below
+        return across_ball(half, max(0, at - 1.05 * reach), at + 1.05 * reach, 2.1 * reach / count, slope)
     reach *= 1.15
     zone = (max(0, abs(at) - reach) if abs(at) > reach else 0.0, min(half, abs(at) + reach))
     return rubber.graded(half, [zone], count)
 
 
-def across_ball(half, first, last, size):
-    """Edges of bricks of `size` from first to last, wider beyond, finer at a side that is near."""
+def across_ball(half, first, last, size, slope):
+    """Edges of bricks of `size` from first to last, wider beyond by `slope`, finer at a side that is near."""
     x = np.linspace(0, half, 4001)
-    widest = np.minimum(1.2, size + 0.5 * np.maximum(0, np.maximum(first - x, x - last)))
+    widest = np.minimum(1.2, size + slope * np.maximum(0, np.maximum(first - x, x - last)))
     density = 1 / np.minimum(widest, max(0.04, 0.3 * (half - last)) + 0.3 * (half - x))
     total = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2) * (x[1] - x[0])])
     return np.interp(np.linspace(0, total[-1], int(np.ceil(total[-1])) + 1), total, x)

@@ -31,7 +31,7 @@ AnswerError least_beside_sides(const fem::PadScene& scene) {
 
 /// Along an axis: a cell in which a table holds the sides, over the contact; 0 where that ends at no side.
 double cell_over_contact(double length, double H, double position, const fem::Interval& contact, int cells) {
-  const double side = length / 2 * (1 - 1e-6);  // cells end there but for rounding
+  const double side = length / 2 * (1 - 1e-4);  // cells end there but for rounding in fp32
   if (position + contact.left > -side && position + contact.right < side) return 0;
   return std::min(length, fem::longest_block * H) / cells / (contact.right - contact.left);
 }
