@@ -181,7 +181,7 @@ PadOutcome ball_on_free_sides(double x, double y) {
   return by_twin(scene, "pad-12");
 }
 
-// P by finite elements of another program: pad 47 of studies/sixty_pads.py, 0.02511 where nine bricks span the contact.
+// P by finite elements of another program: pad 47 of studies/sixty_pads.py, 0.02511 where six bricks span the contact.
 TEST(PadJudge, StatesTheErrorOfPBelowABallAtACorner) {
   const PadOutcome corner = ball_on_free_sides(3.2419, 1.7473), side = ball_on_free_sides(3.2419, 0);
   const auto said = [](const PadOutcome& outcome) { return outcome.error.value().expected.P - outcome.error->strain; };
