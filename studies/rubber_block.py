@@ -210,9 +210,9 @@ class Block:
 
 
 @njit(cache=True)
-def settle(C, f, u, gap, goal, mu, tolerance, most):
-    """Gauss-Seidel: forces f and displacements u of nodes below an indenter at `gap` above them that carries sticking nodes to
-    `goal` [n][2]. Returns the sweeps."""
+def settle(C, f, u, gap, goal, mu, tolerance, most, undamped=300):
+    """Gauss-Seidel, of half steps after `undamped` sweeps, which may go around: forces f and displacements u of nodes below an indenter
+    at `gap` above them that carries sticking nodes to `goal` [n][2]. Returns the sweeps."""
     n = len(gap)
     for sweep in range(most):
         worst, top = 0.0, 0.0
@@ -229,8 +229,9 @@ def settle(C, f, u, gap, goal, mu, tolerance, most):
             t = np.sqrt(tx * tx + ty * ty)
             if t > mu * p:
                 tx, ty = tx * mu * p / t, ty * mu * p / t
-            dx, dy = tx - f[k], ty - f[k + 1]
-            f[k], f[k + 1], f[k + 2] = tx, ty, -p
+            part = 1.0 if sweep < undamped else 0.5
+            dx, dy, dz = part * (tx - f[k]), part * (ty - f[k + 1]), part * dz
+            f[k], f[k + 1], f[k + 2] = f[k] + dx, f[k + 1] + dy, f[k + 2] + dz
             for j in range(len(u)):
                 u[j] += dx * C[k, j] + dy * C[k + 1, j] + dz * C[k + 2, j]
             worst = max(worst, abs(dx), abs(dy), abs(dz))

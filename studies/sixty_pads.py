@@ -8,7 +8,8 @@ errors made / said. P and sigma_z without the strain that
 both leave out. Base stress over the largest of its kind on the path, tactels inside and the outermost; these are 0.065 of a length off
 the sides.
 
-Usage: studies/sixty_pads.py [--build build] [--pads 0:60] [--cache FOLDER] [--accuracy E]. Half a minute a pad.
+Usage: studies/sixty_pads.py [--build build] [--pads 0:60] [--seed 60] [--kinds corner ...] [--cache FOLDER] [--accuracy E]. Half a
+minute a pad.
 Debian: python3-scipy, python3-numba."""
 import json
 import pathlib
@@ -23,9 +24,9 @@ NU = (0, 0.3, 0.45, 0.49, 0.499, 0.4999)
 SEED = 60
 
 
-def pad(k):
+def pad(k, seed=SEED):
     """Pad k: lengths over H = 1."""
-    draw = np.random.default_rng((SEED, k))
+    draw = np.random.default_rng((seed, k))
     kind = KINDS[k % len(KINDS)]
     length = float(np.exp(draw.uniform(0, np.log(10))))
     width = float(max(1, length * draw.uniform(0.4, 1)))
@@ -52,8 +53,8 @@ def pad(k):
         shape, x = {"shape": "cylinder", "radius": reach**2 / depth, "half_length": 99}, draw.uniform(0, 0.45) * length
     if kind in ("all, turned", "edge, twist", "ball, corner"):
         twist, way = 1.0, [0.3, 0.3] if kind != "edge, twist" else [0.0, 0.0]
-    return dict(k=k, kind=kind, length=length, width=width, nu=nu, mu=mu, x=float(x), y=float(y), depth=depth, way=way, twist=twist,
-                **shape)
+    return dict(name=f"{seed}_{k}", kind=kind, length=length, width=width, nu=nu, mu=mu, x=float(x), y=float(y), depth=depth, way=way,
+                twist=twist, **shape)
 
 
 def heights(p, x, y):
@@ -71,21 +72,37 @@ def tactels(p):
 
 
 def along(half, at, p, axis, count):
-    """Edges of the quarter's bricks along an axis: fine at the sides and where the contact ends."""
+    """Edges of the quarter's bricks along an axis: fine at the sides and where the contact ends; `count` across the contact of a ball."""
     if p["shape"] == "box":
         edge = abs(at - p["half_widths"][axis])
         return rubber.graded(half, [edge], count + 2) if edge < half else rubber.graded(half, [], count)
     if p["shape"] == "cylinder" and axis == 1:
         return rubber.graded(half, [], count)
-    reach = 1.15 * np.sqrt(p["radius"] * p["depth"])
+    reach = np.sqrt(p["radius"] * p["depth"])
+    if p["shape"] == "sphere":
+        slope = 0.3 if p["kind"] == "ball" else 0.5  # no tactel may lie below
+        return across_ball(half, max(0, at - 1.05 * reach), at + 1.05 * reach, 2.1 * reach / count, slope)
+    reach *= 1.15
     zone = (max(0, abs(at) - reach) if abs(at) > reach else 0.0, min(half, abs(at) + reach))
     return rubber.graded(half, [zone], count)
+
+
+def across_ball(half, first, last, size, slope):
+    """Edges of bricks of `size` from first to last, wider beyond by `slope`, finer at a side that is near."""
+    x = np.linspace(0, half, 4001)
+    widest = np.minimum(1.2, size + slope * np.maximum(0, np.maximum(first - x, x - last)))
+    density = 1 / np.minimum(widest, max(0.04, 0.3 * (half - last)) + 0.3 * (half - x))
+    total = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2) * (x[1] - x[0])])
+    return np.interp(np.linspace(0, total[-1], int(np.ceil(total[-1])) + 1), total, x)
 
 
 def condensed(p, count):
     even = p["y"] == 0 and p["twist"] == 0 and p["way"][1] == 0
     x, y = along(p["length"] / 2, p["x"], p, 0, count), along(p["width"] / 2, p["y"], p, 1, count)
-    block = rubber.Block(x, y, rubber.levels(1, count >= 7), p["nu"], tactels(p))
+    levels = rubber.levels(1, count >= 7)
+    if p["kind"].startswith(("edge", "corner")):  # the pressure is singular at an edge of the indenter
+        levels = np.concatenate([levels[:-3], [0.645, 0.84, 0.94, 1]])
+    block = rubber.Block(x, y, levels, p["nu"], tactels(p))
     block.condense([(1, 1), (-1, 1)] if even else [(1, 1), (-1, 1), (1, -1), (-1, -1)])
     xx, yy, quarter, signs = block.surface(even)
     h = heights(p, xx - p["x"], yy - p["y"])
@@ -109,11 +126,11 @@ def drags(p, contact):
 
 def judged(p, count, cache):
     """The judge's answers on bricks of that count, and the drags; kept in a file."""
-    path = cache / f"{SEED}_{p['k']}_{count}.json"
+    path = cache / f"{p['name']}_{count}.json"
     if path.is_file():
         return json.loads(path.read_text())
     contact = condensed(p, count)
-    first = cache / f"{SEED}_{p['k']}_drags.json"
+    first = cache / f"{p['name']}_drags.json"
     if not first.is_file():
         first.write_text(json.dumps(drags(p, contact)))
     moves = json.loads(first.read_text())
@@ -171,6 +188,8 @@ def made_and_said(p, judge, coarse, answer):
 def main():
     parser = study.options(__doc__)
     parser.add_argument("--pads", default="0:60")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--kinds", nargs="+", default=KINDS, help=f"of {KINDS}")
     parser.add_argument("--cache", type=pathlib.Path)
     parser.add_argument("--bricks", type=int, nargs="+", default=[7], help="along a half side; others to judge the judge by")
     parser.add_argument("--accuracy", type=float)
@@ -182,7 +201,9 @@ def main():
         cache = options.cache or folder
         cache.mkdir(exist_ok=True)
         for k in range(*map(int, options.pads.split(":"))):
-            p = pad(k)
+            p = pad(k, options.seed)
+            if p["kind"] not in options.kinds:
+                continue
             try:
                 judge, coarse = ([judged(p, n, cache) for n in options.bricks] + [None])[:2]
             except RuntimeError as error:

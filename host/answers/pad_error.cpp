@@ -29,6 +29,29 @@ AnswerError least_beside_sides(const fem::PadScene& scene) {
   return {.S = 0.006, .P = P, .Q = 0.02, .M = 0.02, .sigma = 0.03, .tau = 0.04};
 }
 
+/// Along an axis: a cell in which a table holds the sides, over the contact; 0 where that ends at no side.
+double cell_over_contact(double length, double H, double position, const fem::Interval& contact, int cells) {
+  const double side = length / 2 * (1 - 1e-4);  // cells end there but for rounding in fp32
+  if (position + contact.left > -side && position + contact.right < side) return 0;
+  return std::min(length, fem::longest_block * H) / cells / (contact.right - contact.left);
+}
+
+/// What both solutions miss of P at a corner: cubics between the cells of the sides' table miss at order 2 what a small
+/// contact does beside two sides. On pads of 8 H both have the same cells (docs/notebook/2026-11-29-corners.md).
+double least_at_corner(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  constexpr double of_cells = 0.04, most = 0.06;
+  const fem::PadSensor& sensor = scene.sensor;
+  const double H = sensor.thickness, L = sensor.length.value(), W = sensor.width.value();
+  const auto over_H = [&](double length) { return std::min(length / H, fem::longest_block); };
+  const fem::SideMesh mesh = fem::side_mesh({over_H(L), over_H(W)}, fem::SideBricks::finer);
+  fem::PadBox contact{fem::nowhere, fem::nowhere};
+  for (const fem::PadStep& step : solution.steps) contact.cover(step.reach);
+  const auto [at_x, at_y] = scene.indenter.position;
+  const double x = cell_over_contact(L, H, at_x, contact.x, mesh.cells[0]),
+               y = cell_over_contact(W, H, at_y, contact.y, mesh.cells[1]);
+  return x > 0 && y > 0 ? std::min(of_cells * (x * x + y * y), most) : 0;
+}
+
 int finer_increments(int cells) { return cells / 3 * 2; }
 
 /// What errors are of differences from a second solution: `least` and a multiple of them.
@@ -185,7 +208,8 @@ std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::Pad
                       .outside = outside(measured_judge, scene_, deepest(answer))};
   const bool free = fem::has_free_sides(scene_.sensor);
   const OverDifferences over = (free ? beside_free_sides : over_differences)(rung.cells, other.cells.n);
-  const AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};
+  AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};
+  if (free) beside_sides.P += least_at_corner(scene_, answer);
   const bool map = pad_class(scene_) == PadClass::height_map;
   for (const auto member : fem::pad_error_members) {
     double& e = error.expected.*member;

@@ -80,6 +80,14 @@ class Pads(unittest.TestCase):
             self.assertLessEqual(abs(p["x"]), p["length"] / 2)
             self.assertLessEqual(abs(p["y"]), p["width"] / 2)
 
+    def test_bricks_resolve_the_contact_of_a_ball(self):
+        for first, last in ((0.0, 0.5), (1.0, 2.0), (2.6, 3.3)):
+            edges = sixty_pads.across_ball(3.0, first, last, 0.14, 0.5)
+            self.assertEqual((edges[0], edges[-1]), (0, 3))
+            inside = (edges[1:] > first) & (edges[:-1] < last)
+            self.assertLess(np.diff(edges)[inside].max(), 0.2)  # the outermost ones reach beyond
+            self.assertLess(len(edges), 20)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -172,6 +172,26 @@ TEST(PadJudge, StatesTheErrorOfPUnderAWidePunch) {
   EXPECT_THAT(warnings(by_twin(scene, "pad-24")), IsEmpty());
 }
 
+/// A ball that presses a pad whose sides are free.
+PadOutcome ball_on_free_sides(double x, double y) {
+  fem::PadIndenter ball = turned(fem::Sphere{2.2367}, 0);
+  ball.position = {x, y};
+  fem::PadScene scene = scene_of(1, 0.49, 0.4888, ball, 0.079485, {});
+  scene.sensor.length = 6.6317, scene.sensor.width = 3.5522, scene.sensor.pitch = {1.9, 1};
+  return by_twin(scene, "pad-12");
+}
+
+// P by finite elements of another program: pad 47 of studies/sixty_pads.py, 0.02511 where six bricks span the contact.
+TEST(PadJudge, StatesTheErrorOfPBelowABallAtACorner) {
+  const PadOutcome corner = ball_on_free_sides(3.2419, 1.7473), side = ball_on_free_sides(3.2419, 0);
+  const auto said = [](const PadOutcome& outcome) { return outcome.error.value().expected.P - outcome.error->strain; };
+  const double off = std::abs(corner.solution.steps[0].P / 0.02511 - 1);
+  EXPECT_GT(off, 0.03);
+  EXPECT_GE(said(corner), off);
+  EXPECT_LE(said(corner), 2 * off);
+  EXPECT_GT(said(corner), said(side) + 0.01);
+}
+
 // Q and M are 0 by symmetry: what sweeps leave of them is no largest to which an error is relative.
 TEST(PadJudge, APressHasNoErrorOfQAndM) {
   for (const fem::PadIndenter& indenter : {turned(fem::Sphere{6}, 0), turned(fem::Box{{2, 1.4}, 0.3}, 20)}) {
