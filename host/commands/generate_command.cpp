@@ -270,8 +270,9 @@ int run_generate(const GenerateRequest& request) {
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first());
   options.progress = [&](std::size_t answered, std::size_t all) {
     line.show(answered, all);
-    if (interrupt->requested()) spool->stop();
-    return !spool->stopped();
+    const bool asked = interrupt->requested();
+    if (asked) spool->stop();
+    return !asked && !spool->stopped();
   };
   const ProductionReport report =
       produce_set(sweep.source, *spool, missing_chunks(found, ranks.rank(), ranks.count()), options);

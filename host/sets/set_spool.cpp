@@ -44,12 +44,12 @@ ConfigError output_error(const fs::path& output, const std::string& allowed) {
   return ConfigError("command line", "--output", output.string(), allowed);
 }
 
-FileLock locked(const fs::path& folder, const fs::path& output) {
+FileLock locked(const fs::path& file, const fs::path& output) {
   const std::string allowed = "of a set that no other program is writing; another one writes " + output.string();
   try {
-    return FileLock::of_file("--output", folder / "lock", allowed);
+    return FileLock::of_file("--output", file, allowed);
   } catch (const ConfigError&) {
-    if (fs::exists(folder)) throw;  // else the other one has just ended its set
+    if (fs::exists(file.parent_path())) throw;  // else the other one has just ended its set
     throw output_error(output, allowed);
   }
 }
@@ -116,7 +116,7 @@ double SetSpool::bytes_left(const fs::path& output) {
 void SetSpool::discard(const fs::path& output) {
   with_output(output, [&] {
     if (!fs::exists(folder(output))) return;
-    const FileLock lock = locked(folder(output), output);
+    const FileLock lock = locked(folder(output) / "lock", output);
     remove_spool(folder(output));
   });
 }
@@ -126,13 +126,14 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
     : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), count_(count), columns_(columns) {
   make_folder("--output", folder_);
   with_output(output_, [&] {
-    if (how != Open::join) lock_ = locked(folder_, output_);
+    if (how != Open::join) lock_ = locked(folder_ / "lock", output_);
     check_plan(plan, how);
     if (how != Open::join) {
       fs::remove(folder_ / "stop");
       find_chunks(true);
     }
     const fs::path file = folder_ / fmt::format("{:04}.chunks", process);
+    file_lock_ = locked(file, output_);
     file_ = open_to_append(file);
     end_ = fs::file_size(file);
   });
@@ -180,10 +181,11 @@ void SetSpool::check(const ChunkHeader& header) const {
 }
 
 /// Looks for chunks behind those that it has found before. `checked`: their rows, too, which another run wrote; what is
-/// torn at the end of a file is cut off, since new chunks come behind it.
+/// torn at the end of a file is cut off, since new chunks come behind it. No process of that run may still write.
 void SetSpool::find_chunks(bool checked) {
   std::string rows;
   for (const fs::path& path : chunk_files(folder_)) {
+    const FileLock lock = checked ? locked(path, output_) : FileLock();
     const auto file = files_.try_emplace(path, 0).first;
     std::uint64_t& at = file->second;
     std::ifstream in(path, std::ios::binary | std::ios::ate);

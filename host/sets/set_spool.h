@@ -73,7 +73,7 @@ class SetSpool {
   std::filesystem::path output_, folder_;
   std::uint64_t plan_sum_, count_;
   SetColumns columns_;
-  FileLock lock_;
+  FileLock lock_, file_lock_;  ///< of the folder, which the first process has; of the file of this one
   std::map<std::filesystem::path, std::uint64_t> files_;  ///< with their bytes that were looked at
   std::map<std::uint64_t, Chunk> chunks_;
   bool torn_ = false;

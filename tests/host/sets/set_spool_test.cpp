@@ -220,6 +220,18 @@ TEST_F(Spool, AStopOfOneProcessIsSeenByAllAndNotByTheNextRun) {
   EXPECT_TRUE(Processes(output, 1, SetSpool::Open::resume).finish() == whole_);
 }
 
+// A process that outlives the others of its run: nothing may come between its chunks.
+TEST_F(Spool, NoRunGoesOnWhileAProcessWrites) {
+  const fs::path output = at("set.h5");
+  auto first = std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, SetSpool::Open::fresh);
+  auto second = std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, SetSpool::Open::join, 1);
+  second->append(1, chunk_of(1));
+  first.reset();
+  EXPECT_THROW(found(output), ConfigError);
+  second.reset();
+  EXPECT_EQ(found(output), std::pair(std::size_t{1}, false));
+}
+
 TEST_F(Spool, AProcessWithAnotherPlanIsAnError) {
   const fs::path output = at("set.h5");
   const Processes run(output, 1, SetSpool::Open::fresh);
