@@ -107,18 +107,18 @@ bool already_there(const GenerateRequest& request, const SetRecipe& recipe) {
   return true;
 }
 
-/// The number of rows is known to a tenth before a run that may take days.
-void check_room(const std::string& output, double bytes) {
+/// The number of rows is known to a tenth before a run that may take days. At its end chunks and set are there, half as
+/// large at least where it is compressed.
+void check_room(const GenerateRequest& request, double bytes) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path begun = PlacedSet::set_file(SetSpool::folder(output));
-  const double there = fs::exists(begun, error) ? static_cast<double>(fs::file_size(begun, error)) : 0;
-  const fs::space_info disk = fs::space(fs::absolute(output, error).parent_path(), error);
-  if (error || 0.9 * bytes <= static_cast<double>(disk.available) + there) return;
-  throw ConfigError("command line", "--output", output,
-                    fmt::format("on a disk with room for it: the set takes about {}B, and {}B are free; take fewer "
-                                "contacts, fewer --columns or another disk",
-                                with_prefix(bytes), with_prefix(static_cast<double>(disk.available))));
+  const fs::space_info disk = fs::space(fs::absolute(request.output, error).parent_path(), error);
+  const double both = bytes * (request.compress ? 1.5 : 2), there = SetSpool::bytes_left(request.output);
+  if (error || 0.9 * both <= static_cast<double>(disk.available) + there) return;
+  throw ConfigError("command line", "--output", request.output,
+                    fmt::format("on a disk with room for it: the set and its chunks take about {}B together, and {}B "
+                                "are free; take fewer contacts, fewer --columns or another disk",
+                                with_prefix(both), with_prefix(static_cast<double>(disk.available))));
 }
 
 /// What the processes did together.
@@ -239,28 +239,29 @@ int run_generate(const GenerateRequest& request) {
   if (ranks.first()) check_writable("--output", request.output);
   for (const std::string& device : options.devices) Device{device};  // without one nothing is begun
   interrupt.emplace();                                               // before there is anything to keep
-  const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
-                  [&] { return ranks.receive(); }};
   const std::uint64_t chunks = chunk_count(sweep.source);
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     if (request.force) SetSpool::discard(request.output);
-    check_room(request.output, expected_bytes(sweep.source, columns));
+    check_room(request, expected_bytes(sweep.source, columns));
     spool.emplace(request.output, recipe.text(), columns, chunks,
-                  request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh, ring);
+                  request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
   }
-  const auto there = static_cast<std::uint64_t>(ranks.sum({spool ? static_cast<double>(spool->chunks()) : 0.0})[0]);
-  if (!ranks.first()) spool.emplace(request.output, recipe.text(), columns, chunks, SetSpool::Open::join, ring, there);
+  const std::vector<double> found = ranks.sum(spool ? spool->found() : std::vector<double>(chunks));
+  if (!ranks.first()) spool.emplace(request.output, recipe.text(), columns, chunks, SetSpool::Open::join, ranks.rank());
   if (ranks.first() && !request.shared.quiet && request.resume)
-    fmt::print("{} of {} chunks exist{}\n", there, chunks,
-               spool->torn() ? "; torn ones, and those behind a gap, are generated again" : "");
+    fmt::print("{} of {} chunks exist{}\n", chunks - missing_chunks(found).size(), chunks,
+               spool->torn() ? "; torn ones are generated again" : "");
 
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first());
   options.progress = [&](std::size_t answered, std::size_t all) {
     line.show(answered, all);
-    return !interrupt->requested();
+    const bool asked = interrupt->requested();
+    if (asked) spool->stop();
+    return !asked && !spool->stopped();
   };
-  const ProductionReport report = produce_set(sweep.source, *spool, options);
+  const ProductionReport report =
+      produce_set(sweep.source, *spool, missing_chunks(found, ranks.rank(), ranks.count()), options);
   line.clear();
   const auto work = ranks.sum(Work{.contacts = static_cast<double>(report.contacts),
                                    .steps = static_cast<double>(report.steps),

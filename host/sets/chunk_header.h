@@ -11,7 +11,7 @@ namespace tactel::host {
 /// Header of the rows of a chunk. The byte order is that of the machine; the folder cannot be moved to another
 /// kind.
 struct ChunkHeader {
-  static constexpr std::uint64_t right_magic = 0x386c6f6f70736c74;  // "tlspool8"
+  static constexpr std::uint64_t right_magic = 0x396c6f6f70736c74;  // "tlspool9"
 
   std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
   SetCounts counts{};

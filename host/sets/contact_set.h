@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <set>
@@ -209,29 +210,22 @@ SetColumns only_columns(SetColumns columns, const std::string& wanted);
 /// Returns the rows of a chunk of a dataset with so many columns; all datasets with rows share that of the inputs.
 std::uint64_t rows_of_chunk(int columns);
 
-/// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
-/// after it. Every chunk of the file has a checksum (Fletcher32), and so have every dataset and the file itself
-/// (attribute `checksum`, set_seal.h). Throws ConfigError naming --output where the file cannot be written, and then
-/// leaves no file behind.
-class ContactSetWriter {
- public:
-  /// `rows`, `contacts`: of all pieces. `compress`: by HDF5's shuffle and gzip, slowly.
-  ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows, std::size_t contacts,
-                   bool compress = false);
-  ~ContactSetWriter();
-  ContactSetWriter(const ContactSetWriter&) = delete;
-  ContactSetWriter& operator=(const ContactSetWriter&) = delete;
-  void append(const ContactSet& rows);
-  /// Writes the attributes of `set` (its rows are ignored) and gives the file its name.
-  void finish(const ContactSet& set);
-
- private:
-  [[noreturn]] void fail() const;
-  struct State;
-  std::unique_ptr<State> state_;
+/// The rows of a set, wherever they are.
+struct SetRows {
+  SetColumns columns;
+  std::uint64_t rows = 0, contacts = 0;  ///< contacts: rows of `/parameters`
+  /// Copies rows first ... first + count - 1 of a dataset; they are counted in the order of each_dataset, `/parameters`
+  /// behind them. Returns false where they cannot be read.
+  std::function<bool(std::size_t dataset, std::uint64_t first, std::uint64_t count, char* to)> copy;
 };
 
-/// Writes a whole set at once.
+/// Writes a set file as a DurableFile, with the attributes of `set`, whose rows are ignored. Every chunk of the file
+/// has a checksum (Fletcher32), and so have every dataset and the file itself (attribute `checksum`, set_seal.h).
+/// `compress`: by HDF5's shuffle and gzip, slowly. Returns false where rows cannot be read or the file cannot be
+/// written, and then leaves none behind.
+bool write_set_file(const std::filesystem::path& path, const SetRows& rows, const ContactSet& set, bool compress);
+
+/// Writes a whole set at once. Throws ConfigError naming --output where the file cannot be written.
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set);
 
 /// Reads parts of a set file. Throws ConfigError as read_contact_set.

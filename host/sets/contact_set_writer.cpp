@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <functional>
+#include <cstring>
 #include <map>
 
 #include "host/sets/contact_set.h"
 #include "host/sets/hdf5_handle.h"
-#include "host/sets/placed_driver.h"
-#include "host/sets/set_headers.h"
 #include "host/sets/set_seal.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
@@ -45,10 +43,9 @@ struct Column {
   std::string name;
   Handle data;
   hid_t type;
-  std::size_t value_bytes;
+  std::uint64_t rows, rows_of_chunk, row_bytes;
   int columns;
   std::vector<const char*> dimensions{};  ///< names
-  std::size_t written = 0;                ///< rows
   RunningChecksum sum{};
 };
 
@@ -101,10 +98,11 @@ bool write_dimensions(hid_t file, const std::vector<Column>& columns) {
   return good;
 }
 
-Column create_column(hid_t file, const char* name, hid_t type, std::size_t rows, int columns, hsize_t rows_of_chunk,
-                     const char* unit, bool compress) {
+Column create_column(hid_t file, const char* name, hid_t type, std::uint64_t rows, int columns,
+                     std::uint64_t rows_of_chunk, const char* unit, bool compress) {
+  rows_of_chunk = std::min(rows, rows_of_chunk);
   const hsize_t extent[2] = {rows, static_cast<hsize_t>(columns)};
-  const hsize_t chunk[2] = {std::min<hsize_t>(rows, rows_of_chunk), static_cast<hsize_t>(columns)};
+  const hsize_t chunk[2] = {rows_of_chunk, static_cast<hsize_t>(columns)};
   const int rank = columns ? 2 : 1;
   const Handle space(H5Screate_simple(rank, extent, nullptr), H5Sclose);
   const Handle plain(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -115,23 +113,32 @@ Column create_column(hid_t file, const char* name, hid_t type, std::size_t rows,
     H5Pset_fletcher32(plain);
     H5Pset_fill_time(plain, H5D_FILL_TIME_ALLOC);  // what the last chunk does not use is 0
   }
-  Column column{name, Handle(H5Dcreate2(file, name, type, space, H5P_DEFAULT, plain, H5P_DEFAULT), H5Dclose), type,
-                H5Tget_size(type), columns};
+  Column column{.name = name,
+                .data = Handle(H5Dcreate2(file, name, type, space, H5P_DEFAULT, plain, H5P_DEFAULT), H5Dclose),
+                .type = type,
+                .rows = rows,
+                .rows_of_chunk = rows_of_chunk,
+                .row_bytes = H5Tget_size(type) * static_cast<std::uint64_t>(std::max(columns, 1)),
+                .columns = columns};
   if (column.data.open() && !write_text(column.data, "unit", unit)) column.data.close();
   return column;
 }
 
-/// The next rows of a dataset.
-bool write_rows(Column& column, const void* values, std::size_t count) {
-  if (count == 0) return true;
-  const std::size_t rows = column.columns ? count / static_cast<std::size_t>(column.columns) : count;
-  const Handle space(H5Dget_space(column.data), H5Sclose);
-  const hsize_t start[2] = {column.written, 0}, size[2] = {rows, static_cast<hsize_t>(column.columns)};
-  const Handle memory(H5Screate_simple(column.columns ? 2 : 1, size, nullptr), H5Sclose);
-  column.sum.add({static_cast<const char*>(values), count * column.value_bytes});
-  column.written += rows;
-  return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr) >= 0 &&
-         H5Dwrite(column.data, column.type, memory, space, H5P_DEFAULT, values) >= 0;
+/// Writes the next rows of a dataset, those of a whole chunk. `chunk` has room for them and a checksum.
+bool write_chunk(Column& column, std::uint64_t first, std::uint64_t rows, std::string& chunk, bool compress) {
+  const std::uint64_t used = rows * column.row_bytes, size = column.rows_of_chunk * column.row_bytes;
+  const hsize_t start[2] = {first, 0}, count[2] = {rows, static_cast<hsize_t>(column.columns)};
+  column.sum.add({chunk.data(), used});
+  if (compress) {
+    const Handle space(H5Dget_space(column.data), H5Sclose);
+    const Handle memory(H5Screate_simple(column.columns ? 2 : 1, count, nullptr), H5Sclose);
+    return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
+           H5Dwrite(column.data, column.type, memory, space, H5P_DEFAULT, chunk.data()) >= 0;
+  }
+  std::memset(chunk.data() + used, 0, size - used);
+  const std::uint32_t sum = fletcher32({chunk.data(), size});  // faster than HDF5's filter, which copies the chunk
+  std::memcpy(chunk.data() + size, &sum, sizeof sum);
+  return H5Dwrite_chunk(column.data, H5P_DEFAULT, 0, start, size + sizeof sum, chunk.data()) >= 0;
 }
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, "\n")); }
@@ -156,23 +163,23 @@ bool write_attributes(hid_t file, const ContactSet& set) {
 
 /// A new file whose bytes do not depend on the hour. The format of HDF5 1.8: its headers carry checksums, too, and an
 /// attribute may be longer than 64 KiB. The temporary is locked already; HDF5 must not lock it again.
-Handle create_file(const std::filesystem::path& path, const Handle& access) {
-  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+Handle create_file(const std::filesystem::path& path) {
+  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose), access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_obj_track_times(plain, false);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   const WithoutLocks without;
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, plain, access), H5Fclose);
 }
 
-/// Datasets of `columns` of their final size, and the attribute that names them. Empty on failure.
-std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::size_t rows, std::size_t contacts,
-                                   bool compress) {
+/// Datasets of their final size, in the order of each_dataset, then of each_other_dataset, and the attribute that names
+/// them. Empty on failure.
+std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compress) {
   std::vector<Column> all;
-  const ContactSet nothing(columns);
+  const ContactSet nothing(rows.columns);
   bool good = true;
   std::string names;
-  const auto create = [&](const char* name, const auto& values, int width, const char* unit, std::size_t size,
-                          hsize_t rows_of_chunk, std::vector<const char*> dimensions) {
+  const auto create = [&](const char* name, const auto& values, int width, const char* unit, std::uint64_t size,
+                          std::uint64_t rows_of_chunk, std::vector<const char*> dimensions) {
     using T = typename std::remove_cvref_t<decltype(values)>::value_type;
     if (!good) return;
     names += (names.empty() ? "" : "\n") + std::string(name);
@@ -183,29 +190,51 @@ std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::s
   each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     std::vector<const char*> dimensions = {"row"};
     if (width > 0) dimensions.push_back(std::string_view(name) == "inputs" ? "input" : "direction");
-    create(name, values, width, unit, rows, rows_of_chunk(columns.inputs), std::move(dimensions));
+    create(name, values, width, unit, rows.rows, rows_of_chunk(rows.columns.inputs), std::move(dimensions));
   });
   each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     std::vector<const char*> dimensions = {"tactel"};
     if (width > 0) dimensions = {"contacts", "parameter"};
-    create(name, values, width, unit, width > 0 ? contacts : values.size(), rows_of_chunk(width),
+    create(name, values, width, unit, width > 0 ? rows.contacts : values.size(), rows_of_chunk(width),
            std::move(dimensions));
     if (good && width > 0)
-      good = write_text(all.back().data, "columns", joined(columns.parameters)) &&
-             write_text(all.back().data, "units", joined(columns.parameter_units));
+      good = write_text(all.back().data, "columns", joined(rows.columns.parameters)) &&
+             write_text(all.back().data, "units", joined(rows.columns.parameter_units));
   });
   if (!good || !write_text(file, "columns", names)) all.clear();
   return all;
 }
 
-/// Attributes, then the seals of the datasets and of the file, which are closed. `sums`: [columns], checksums of their
-/// numbers. Returns false on failure.
-bool finish_file(Handle& file, std::vector<Column>& columns, const std::vector<std::string>& sums,
-                 const ContactSet& set) {
+/// Writes all rows, those of datasets with rows in common side by side. Returns false on failure.
+bool write_columns(std::vector<Column>& columns, const SetRows& rows, bool compress) {
+  std::string chunk;
+  const auto copy = [&](std::size_t c, std::uint64_t first, std::uint64_t count) {
+    const std::string& name = columns[c].name;
+    if (name != "tactel_x" && name != "tactel_y") return rows.copy(c, first, count, chunk.data());
+    const std::vector<float>& places = name == "tactel_x" ? rows.columns.tactel_x : rows.columns.tactel_y;
+    std::memcpy(chunk.data(), places.data() + first, count * sizeof(float));
+    return true;
+  };
+  const auto with_rows = static_cast<std::size_t>(
+      std::ranges::count(columns, "row", [](const Column& column) { return std::string_view(column.dimensions[0]); }));
+  for (std::size_t begin = 0, end = with_rows; begin < columns.size(); begin = end, ++end)
+    for (std::uint64_t first = 0; first < columns[begin].rows; first += columns[begin].rows_of_chunk) {
+      const std::uint64_t count = std::min(columns[begin].rows_of_chunk, columns[begin].rows - first);
+      for (std::size_t c = begin; c < end; ++c) {
+        const std::size_t room = columns[c].rows_of_chunk * columns[c].row_bytes + sizeof(std::uint32_t);
+        chunk.resize(std::max(chunk.size(), room));
+        if (!copy(c, first, count) || !write_chunk(columns[c], first, count, chunk, compress)) return false;
+      }
+    }
+  return true;
+}
+
+/// Attributes, then the seals of the datasets and of the file, which are closed. Returns false on failure.
+bool finish_file(Handle& file, std::vector<Column>& columns, const ContactSet& set) {
   bool good = write_attributes(file, set) && write_dimensions(file, columns);
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    good = good && write_text(columns[c].data, seal_name, dataset_seal(columns[c].data, columns[c].name, sums[c]));
-    good = columns[c].data.close() && good;
+  for (Column& column : columns) {
+    good = good && write_text(column.data, seal_name, dataset_seal(column.data, column.name, column.sum.text()));
+    good = column.data.close() && good;
   }
   good = good && write_text(file, seal_name, file_seal(file));
   good = good && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
@@ -220,89 +249,42 @@ std::uint64_t rows_of_chunk(int columns) {
   return std::clamp<std::uint64_t>(std::bit_floor(fit), 1, most_chunk_rows);
 }
 
-std::optional<std::uint64_t> write_headers(int descriptor, std::uint64_t end, const SetColumns& columns,
-                                           const std::vector<const PlacedRows*>& placed, const ContactSet& set) {
+bool write_set_file(const std::filesystem::path& path, const SetRows& rows, const ContactSet& set, bool compress) {
   prepare_hdf5();
-  PlacedFile places{.file = descriptor, .end = end};
-  Handle file = create_file("set", placed_access(places));
-  const std::size_t contacts = columns.has("parameters") && !columns.parameters.empty() ? placed[1]->rows() : 0;
-  std::vector<Column> all;
-  if (file.open()) all = create_columns(file, columns, placed[0]->rows(), contacts, false);
-  bool good = !all.empty();
-  std::string nothing;  // in place of chunks, which are there
-  std::vector<std::string> sums;
-  for (const PlacedRows* rows : placed) {
-    const auto& datasets = rows->datasets();
-    for (std::size_t d = 0; good && d < datasets.size(); ++d) {
-      const Column& column = all[sums.size()];
-      nothing.resize(std::max<std::size_t>(nothing.size(), rows->chunk_bytes(d)));
-      for (std::size_t stripe = 0; good && stripe < rows->stripes().size(); ++stripe) {
-        const hsize_t first[2] = {stripe * rows->rows_of_stripe(), 0};
-        places.chunk = rows->stripes()[stripe] + rows->chunk_begin(d);
-        good = H5Dwrite_chunk(column.data, H5P_DEFAULT, 0, first, rows->chunk_bytes(d), nothing.data()) >= 0;
-      }
-      sums.push_back(datasets[d].sum.text());
-    }
-  }
-  places.chunk = 0;  // what comes now is no chunk
-  if (!good || sums.size() != all.size() || !finish_file(file, all, sums, set)) return {};
-  return places.end;
-}
-
-struct ContactSetWriter::State {
-  explicit State(const std::filesystem::path& path)
-      : path((prepare_hdf5(), path)),
-        whole("--output", path),
-        file(create_file(whole.temporary(), Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose))) {}
-
-  std::filesystem::path path;
-  DurableFile whole;
-  Handle file;
-  std::vector<Column> columns;  ///< in the order of each_dataset, then of each_other_dataset
-};
-
-ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows,
-                                   std::size_t contacts, bool compress)
-    : state_(std::make_unique<State>(path)) {
-  if (state_->file.open()) state_->columns = create_columns(state_->file, columns, rows, contacts, compress);
-  if (state_->columns.empty()) fail();
-  for (const auto& [name, places] : {std::pair("tactel_x", &columns.tactel_x), {"tactel_y", &columns.tactel_y}}) {
-    const auto column = std::ranges::find(state_->columns, name, &Column::name);
-    if (column != state_->columns.end() && !write_rows(*column, places->data(), places->size())) fail();
-  }
-}
-
-ContactSetWriter::~ContactSetWriter() = default;
-
-void ContactSetWriter::fail() const {
-  throw ConfigError("command line", "--output", state_->path.string(),
-                    "a file that can be written, on a disk with room for it");
-}
-
-void ContactSetWriter::append(const ContactSet& rows) {
-  const auto write = [&](const char* name, const auto& values, int, const char*) {
-    const auto column = std::ranges::find(state_->columns, name, &Column::name);
-    if (column != state_->columns.end() && !write_rows(*column, values.data(), values.size())) fail();
-  };
-  each_dataset(rows, write);
-  if (rows.has("parameters")) write("parameters", rows.contact_parameters, 0, "");
-}
-
-void ContactSetWriter::finish(const ContactSet& set) {
-  std::vector<std::string> sums;
-  for (const Column& column : state_->columns) sums.push_back(column.sum.text());
-  if (!finish_file(state_->file, state_->columns, sums, set)) fail();
-  state_->whole.commit();
+  DurableFile whole("--output", path);
+  Handle file = create_file(whole.temporary());
+  std::vector<Column> columns;
+  if (file.open()) columns = create_columns(file, rows, compress);
+  if (columns.empty() || !write_columns(columns, rows, compress) || !finish_file(file, columns, set)) return false;
+  whole.commit();
+  return true;
 }
 
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
-  const SetColumns columns = set.columns();
-  const std::size_t contacts =
-      columns.parameters.empty() ? 0 : set.contact_parameters.size() / columns.parameters.size();
-  const bool compress = set.plan.find("\ncompress yes\n") != std::string::npos;
-  ContactSetWriter writer(path, columns, set.rows(), contacts, compress);
-  writer.append(set);
-  writer.finish(set);
+  SetRows rows;
+  rows.columns = set.columns(), rows.rows = set.rows();
+  if (!rows.columns.parameters.empty()) rows.contacts = set.contact_parameters.size() / rows.columns.parameters.size();
+  struct Dataset {
+    std::string_view bytes;
+    std::size_t row_bytes;
+  };
+  std::vector<Dataset> datasets;
+  const auto add = [&](const char* name, const auto& values, int width, const char*) {
+    if (rows.columns.has(name))
+      datasets.push_back({{reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])},
+                          sizeof(values[0]) * static_cast<std::size_t>(std::max(width, 1))});
+  };
+  each_dataset(set, add);
+  each_other_dataset(set, add);
+  rows.copy = [&](std::size_t dataset, std::uint64_t first, std::uint64_t count, char* to) {
+    const auto& [bytes, size] = datasets[dataset];
+    if (bytes.size() < (first + count) * size) return false;
+    std::memcpy(to, bytes.data() + first * size, count * size);
+    return true;
+  };
+  if (!write_set_file(path, rows, set, set.plan.find("\ncompress yes\n") != std::string::npos))
+    throw ConfigError("command line", "--output", path.string(),
+                      "a file that can be written, on a disk with room for it");
 }
 
 }  // namespace tactel::host

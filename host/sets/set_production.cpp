@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -25,50 +26,50 @@ constexpr int most_threads = 8;
 /// What the devices share: which chunk is next, the spool, and whether to stop.
 class Production {
  public:
-  Production(const AnySource& source, SetSpool& spool, const ProductionOptions& options)
-      : source_(source), spool_(spool), options_(options), missing_(spool.missing()) {
-    for (const std::uint64_t number : missing_) contacts_ += contacts_of(number);
+  Production(const AnySource& source, SetSpool& spool, const std::vector<std::uint64_t>& chunks,
+             const ProductionOptions& options)
+      : source_(source), spool_(spool), options_(options), chunks_(chunks) {
+    for (const std::uint64_t number : chunks_) contacts_ += contacts_of(number);
   }
 
   const AnySource& source() const { return source_; }
   std::uint64_t chunk() const { return contacts_of_chunk(source_); }
   std::optional<std::uint64_t> next() {
     const std::size_t i = next_++;
-    return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
+    return stopped_ || i >= chunks_.size() ? std::nullopt : std::optional(chunks_[i]);
   }
   std::uint64_t contacts_of(std::uint64_t number) const {
     return std::min(chunk(), common(source_).contacts() - number * chunk());
   }
   std::atomic<std::size_t>* answered() { return &answered_; }
-  void add(std::uint64_t number, SetSimulator::Range& range, ContactSet rows) {
+  void add(std::uint64_t number, SetSimulator::Range& range, const ContactSet& rows) {
     if (stopped_) return;
     const auto start = std::chrono::steady_clock::now();
-    const std::size_t made = rows.rows();
-    spool_.append(number, std::move(rows));
+    spool_.append(number, rows);
     range.seconds.write = seconds_since(start);
     const std::lock_guard lock(mutex_);
     report_.contacts += range.count;
     report_.steps += range.steps;
     report_.kernel_seconds += range.kernel_seconds;
     report_.stages += range.seconds;
-    report_.rows += made;
+    report_.rows += rows.rows();
+    ++written_;
+    changed_.notify_all();
   }
   void fail(std::exception_ptr error) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!error_) error_ = std::move(error);
-    }
-    stop();
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    stopped_ = true;
+    changed_.notify_all();
   }
   bool stopped() const { return stopped_; }
 
-  /// Writes chunks and shows progress in the calling thread until everything is done, or someone stops.
-  void write() try {
-    while (!failed() && spool_.place(std::chrono::milliseconds(100))) {
-      if (spool_.stopped()) stopped_ = true;
-      if (!stopped_ && options_.progress && !options_.progress(answered_, contacts_)) stop();
-    }
-    stopped_ = true;  // or there is nothing left to do
+  /// Shows progress in the calling thread, and brings chunks to the disk, until all are written or someone stops.
+  void watch() try {
+    do {
+      spool_.flush(std::chrono::seconds(1));
+      if (options_.progress && !options_.progress(answered_, contacts_)) stopped_ = true;
+    } while (!ended(std::chrono::milliseconds(100)));
   } catch (...) {
     fail(std::current_exception());
   }
@@ -76,29 +77,27 @@ class Production {
     if (error_) std::rethrow_exception(error_);
     spool_.flush();
     report_.write_seconds = spool_.seconds();
-    report_.stages.write += report_.write_seconds;
-    report_.finished = spool_.missing().empty();
+    report_.finished = finished();
     return report_;
   }
 
  private:
-  bool failed() {
-    const std::lock_guard lock(mutex_);
-    return error_ != nullptr;
-  }
-  void stop() {
-    stopped_ = true;
-    spool_.stop();
+  bool finished() const { return written_ == chunks_.size(); }
+  bool ended(std::chrono::milliseconds wait) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, wait, [&] { return stopped_ || finished(); });
   }
 
   const AnySource& source_;
   SetSpool& spool_;
   const ProductionOptions& options_;
-  std::vector<std::uint64_t> missing_;
-  std::size_t contacts_ = 0;  ///< of the missing chunks
+  const std::vector<std::uint64_t>& chunks_;
+  std::size_t contacts_ = 0;  ///< of the chunks
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t written_ = 0;                ///< chunks
   std::atomic<std::size_t> answered_ = 0;  ///< contacts
   std::exception_ptr error_;
   ProductionReport report_;
@@ -204,15 +203,16 @@ double expected_bytes(const AnySource& any, const SetColumns& columns) {
   return static_cast<double>(source.contacts()) * of_contact;
 }
 
-ProductionReport produce_set(const AnySource& source, SetSpool& spool, const ProductionOptions& options) {
+ProductionReport produce_set(const AnySource& source, SetSpool& spool, const std::vector<std::uint64_t>& chunks,
+                             const ProductionOptions& options) {
   keep_memory_of_chunks();
   const auto start = std::chrono::steady_clock::now();
-  Production production(source, spool, options);
+  Production production(source, spool, chunks, options);
   std::vector<std::unique_ptr<Line>> lines;
   for (const std::string& device : options.devices)
     lines.push_back(std::make_unique<Line>(production, device, options.set));
   for (auto& line : lines) line->start();
-  production.write();
+  production.watch();
   for (auto& line : lines) line->wait();
   ProductionReport report = production.report();
   report.seconds = seconds_since(start);

@@ -33,15 +33,16 @@ struct ProductionReport {
   std::uint64_t contacts = 0, rows = 0, steps = 0;
   double seconds = 0;                ///< wall time
   double kernel_seconds = 0;         ///< in kernels, summed over devices and launches side by side
-  double write_seconds = 0;          ///< of the thread that writes, without waiting
+  double write_seconds = 0;          ///< to write chunks, without waiting
   StageSeconds stages;               ///< summed over threads
   std::vector<std::string> devices;  ///< their full names
 };
 
-/// Simulates the missing chunks of the spool that are this process's. Each device has one thread more than it computes
-/// with, eight at most; a GPU eight. A thread draws the contacts of a chunk, lays them out, solves them and gathers
-/// their rows, then takes the next chunk. The calling thread writes. Rethrows the exception of any thread after all
-/// have stopped.
-ProductionReport produce_set(const AnySource& source, SetSpool& spool, const ProductionOptions& options);
+/// Simulates chunks of a set and appends them to the spool. Each device has one thread more than it computes with,
+/// eight at most; a GPU eight. A thread draws the contacts of a chunk, lays them out, solves them, gathers their rows
+/// and appends them, then takes the next chunk. The calling thread shows progress. Rethrows the exception of any thread
+/// after all have stopped.
+ProductionReport produce_set(const AnySource& source, SetSpool& spool, const std::vector<std::uint64_t>& chunks,
+                             const ProductionOptions& options);
 
 }  // namespace tactel::host

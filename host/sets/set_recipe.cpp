@@ -55,7 +55,7 @@ SetRecipe recipe_of(const Sweep& sweep, const std::optional<Rung>& rung, const S
   const std::string tolerance =
       options.accept > 0 ? fmt::format("accepting {:a}", options.accept) : fmt::format("{:a}", options.tolerance);
   std::string conditions =
-      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {}\nchunk {}\n",
+      fmt::format("tactel " TACTEL_VERSION "\nspool 5\nrung {}\nprecision {}\ntolerance {}\nchunk {}\n",
                   std::holds_alternative<PadSource>(sweep.source) ? options.pad.name
                   : rung                                          ? rung->name
                                                                   : "as the file says",

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_spool.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <exception>
 #include <fstream>
-#include <set>
-#include <thread>
+#include <system_error>
 
 #include "host/sets/stage_seconds.h"
 #include "host/support/bounded_file.h"
-#include "host/support/bounded_queue.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 
@@ -21,9 +21,6 @@ namespace tactel::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Chunks that wait in memory for their predecessors before a thread waits with its own.
-constexpr std::size_t most_waiting = 1;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -43,32 +40,16 @@ std::vector<std::string_view> payload_of(const ContactSet& rows, const SetColumn
   return parts;
 }
 
-ContactSet rows_from(const std::string& bytes, const ChunkHeader& header, const SetColumns& columns) {
-  ContactSet set(columns);
-  std::size_t at = 0;
-  const auto take = [&](auto& values, std::size_t count) {
-    values.resize(count);
-    const std::size_t size = values.size() * sizeof(values[0]);
-    if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
-    at += size;
-  };
-  each_dataset(set, [&](const char*, auto& values, int width, const char*) {
-    take(values, header.rows * static_cast<std::size_t>(std::max(width, 1)));
-  });
-  take(set.contact_parameters, header.contacts * parameters_of(columns));
-  return set;
-}
-
 ConfigError output_error(const fs::path& output, const std::string& allowed) {
   return ConfigError("command line", "--output", output.string(), allowed);
 }
 
-FileLock locked(const fs::path& folder, const fs::path& output) {
+FileLock locked(const fs::path& file, const fs::path& output) {
   const std::string allowed = "of a set that no other program is writing; another one writes " + output.string();
   try {
-    return FileLock::of_file("--output", folder / "lock", allowed);
+    return FileLock::of_file("--output", file, allowed);
   } catch (const ConfigError&) {
-    if (fs::exists(folder)) throw;  // else the other one has just ended its set
+    if (fs::exists(file.parent_path())) throw;  // else the other one has just ended its set
     throw output_error(output, allowed);
   }
 }
@@ -82,11 +63,20 @@ auto with_output(const fs::path& output, const Work& work) try {
                                  error.code().message() + ")");
 }
 
+/// The files with chunks, in the order of their names.
+std::vector<fs::path> chunk_files(const fs::path& folder) {
+  std::vector<fs::path> all;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".chunks" && fs::is_regular_file(entry.symlink_status()))
+      all.push_back(entry.path());
+  std::ranges::sort(all);
+  return all;
+}
+
 /// Chunks first, then the plan, then the lock: a kill on the way leaves a folder that the next run understands. Without
 /// the lock another program may begin a set in the folder: nothing of its own is removed.
 void remove_spool(const fs::path& folder) {
-  for (const fs::path& file : PlacedSet::header_files(folder)) fs::remove(file);
-  fs::remove(PlacedSet::set_file(folder));
+  for (const fs::path& file : chunk_files(folder)) fs::remove(file);
   fs::remove(folder / "plan");
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().filename() != "lock") fs::remove_all(entry.path());
@@ -97,47 +87,60 @@ void remove_spool(const fs::path& folder) {
     throw fs::filesystem_error("removal", folder, error);
 }
 
+/// Opens the file to which a process appends.
+int open_to_append(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
+  struct stat status {};
+  if (file < 0 || ::fstat(file, &status) != 0 || !sync_folder(path.parent_path()))
+    throw fs::filesystem_error("opening", path, {errno, std::generic_category()});
+  if (S_ISREG(status.st_mode)) return file;
+  ::close(file);
+  throw ConfigError(path.string(), "", "", "a regular file; remove it");
+}
+
+std::string_view bytes_of(const ChunkHeader& header) { return {reinterpret_cast<const char*>(&header), sizeof header}; }
+
 }  // namespace
 
 fs::path SetSpool::folder(const fs::path& output) { return output.string() + ".parts"; }
 
+double SetSpool::bytes_left(const fs::path& output) {
+  return with_output(output, [&] {
+    double bytes = 0;
+    if (fs::exists(folder(output)))
+      for (const fs::path& file : chunk_files(folder(output))) bytes += static_cast<double>(fs::file_size(file));
+    return bytes;
+  });
+}
+
 void SetSpool::discard(const fs::path& output) {
   with_output(output, [&] {
     if (!fs::exists(folder(output))) return;
-    const FileLock lock = locked(folder(output), output);
+    const FileLock lock = locked(folder(output) / "lock", output);
     remove_spool(folder(output));
   });
 }
 
 SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
-                   Open how, Ring ring, std::uint64_t existing)
-    : output_(output),
-      folder_(folder(output)),
-      plan_sum_(checksum(plan)),
-      count_(count),
-      columns_(columns),
-      ring_(std::move(ring)),
-      holds_end_(how != Open::join) {
+                   Open how, int process)
+    : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), count_(count), columns_(columns) {
   make_folder("--output", folder_);
   with_output(output_, [&] {
-    if (how != Open::join) lock_ = locked(folder_, output_);
+    if (how != Open::join) lock_ = locked(folder_ / "lock", output_);
     check_plan(plan, how);
-    const std::vector<ChunkHeader> found = how == Open::join ? std::vector<ChunkHeader>() : headers();
-    try {
-      placed_.emplace(folder_, columns_, ring_.rank);
-      if (how != Open::join) placed_->resume(found);
-      torn_ = torn_ || (how != Open::join && chunks() < found.size());
-    } catch (const std::system_error& error) {
-      throw output_error(output_, "a file that can be written (" + error.code().message() + ")");
+    if (how != Open::join) {
+      fs::remove(folder_ / "stop");
+      find_chunks(true);
     }
+    const fs::path file = folder_ / fmt::format("{:04}.chunks", process);
+    file_lock_ = locked(file, output_);
+    file_ = open_to_append(file);
+    end_ = fs::file_size(file);
   });
-  first_ = how == Open::join ? existing : chunks();
-  next_ = first_;
-  while (next_ < count_ && owner(next_) != ring_.rank) ++next_;
 }
 
 SetSpool::~SetSpool() {
-  if (placed_ && holds_end_) placed_->flush();  // after an error; else there is nothing left
+  if (file_ >= 0) ::close(file_);
 }
 
 void SetSpool::check_plan(const std::string& plan, Open how) const {
@@ -158,8 +161,7 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
                        "the set that was begun: " + folder_.string() +
                            " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
                            "named in it that has changed; --force starts anew");
-  if (!found && std::ranges::any_of(PlacedSet::header_files(folder_),
-                                    [](const fs::path& file) { return fs::file_size(file) > 0; }))
+  if (!found && std::ranges::any_of(chunk_files(folder_), [](const fs::path& file) { return fs::file_size(file) > 0; }))
     throw output_error(output_, "a set whose plan is known: " + folder_.string() +
                                     " holds chunks, but its file `plan` is lost; put it back, or --force starts anew");
   if (!found) write_file("--output", path, plan);
@@ -178,36 +180,51 @@ void SetSpool::check(const ChunkHeader& header) const {
                                     "--force starts anew");
 }
 
-/// Returns the headers of the folder, sorted, each chunk once.
-std::vector<ChunkHeader> SetSpool::headers() {
-  std::map<std::uint64_t, ChunkHeader> all;
-  for (const fs::path& file : PlacedSet::header_files(folder_)) {
-    std::ifstream in(file, std::ios::binary);
+/// Looks for chunks behind those that it has found before. `checked`: their rows, too, which another run wrote; what is
+/// torn at the end of a file is cut off, since new chunks come behind it. No process of that run may still write.
+void SetSpool::find_chunks(bool checked) {
+  std::string rows;
+  for (const fs::path& path : chunk_files(folder_)) {
+    const FileLock lock = checked ? locked(path, output_) : FileLock();
+    const auto file = files_.try_emplace(path, 0).first;
+    std::uint64_t& at = file->second;
+    std::ifstream in(path, std::ios::binary | std::ios::ate);
+    const std::uint64_t size = in ? static_cast<std::uint64_t>(in.tellg()) : 0;
     ChunkHeader header;
-    while (in.read(reinterpret_cast<char*>(&header), sizeof header) && header.whole())
-      check(header), all.emplace(header.chunk, header);
-    torn_ = torn_ || in.gcount() > 0;
+    while (in.seekg(static_cast<std::streamoff>(at)).read(reinterpret_cast<char*>(&header), sizeof header) &&
+           header.whole()) {
+      check(header);
+      const std::uint64_t begin = at + sizeof header;
+      if (header.bytes > size - begin) break;
+      if (checked) rows.resize(header.bytes), in.read(rows.data(), static_cast<std::streamsize>(header.bytes));
+      if (!checked || (in && checksum(rows) == header.payload_sum))
+        chunks_.try_emplace(header.chunk, Chunk{header, &file->first, begin});
+      else
+        torn_ = true;
+      at = begin + header.bytes;
+    }
+    if (checked && at < size) torn_ = true, fs::resize_file(path, at);
   }
-  std::vector<ChunkHeader> sorted;
-  sorted.reserve(all.size());
-  for (const auto& [chunk, header] : all) sorted.push_back(header);
-  return sorted;
 }
 
-int SetSpool::owner(std::uint64_t chunk) const {
-  return chunk < count_ ? static_cast<int>(chunk % static_cast<std::uint64_t>(ring_.count)) : 0;
+std::vector<double> SetSpool::found() const {
+  std::vector<double> all(count_);
+  for (const auto& [number, chunk] : chunks_) all[number] = 1;
+  return all;
 }
 
-std::vector<std::uint64_t> SetSpool::missing() const {
+std::vector<std::uint64_t> missing_chunks(const std::vector<double>& found, int process, int processes) {
   std::vector<std::uint64_t> all;
-  for (std::uint64_t chunk = next_; chunk < count_; chunk += static_cast<std::uint64_t>(ring_.count))
-    all.push_back(chunk);
+  std::uint64_t missing = 0;
+  for (std::uint64_t chunk = 0; chunk < found.size(); ++chunk)
+    if (found[chunk] == 0 && static_cast<int>(missing++ % static_cast<std::uint64_t>(processes)) == process)
+      all.push_back(chunk);
   return all;
 }
 
 std::uint64_t SetSpool::rows() const {
   std::uint64_t all = 0;
-  for (const ChunkHeader& header : placed_->chunks()) all += header.rows;
+  for (const auto& [number, chunk] : chunks_) all += chunk.header.rows;
   return all;
 }
 
@@ -217,174 +234,103 @@ void SetSpool::fail(int error) const {
                                           std::strerror(error), folder_.string()));
 }
 
-ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
-                                const std::vector<std::string_view>& payload) const {
-  std::uint64_t bytes = 0;
-  RunningChecksum sum;
-  for (const std::string_view part : payload) bytes += part.size(), sum.add(part);
+void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
+  const std::vector<std::string_view> payload = payload_of(rows, columns_);
   ChunkHeader header{.magic = ChunkHeader::right_magic,
                      .plan_sum = plan_sum_,
                      .chunk = chunk,
                      .rows = rows.rows(),
                      .contacts = parameters_of(columns_) > 0 ? rows.contacts : 0,
                      .inputs = static_cast<std::uint64_t>(rows.inputs),
-                     .bytes = bytes,
-                     .counts = rows,
-                     .payload_sum = sum.value()};
+                     .counts = rows};
+  RunningChecksum sum;
+  for (const std::string_view part : payload) header.bytes += part.size(), sum.add(part);
+  header.payload_sum = sum.value();
   header.header_sum = header.sum();
-  return header;
-}
-
-void SetSpool::append(std::uint64_t chunk, ContactSet rows) {
-  const ChunkHeader header = header_of(chunk, rows, payload_of(rows, columns_));
-  std::unique_lock lock(mutex_);
-  waiting_.emplace(chunk, Waiting{header, std::move(rows)});
-  changed_.notify_all();
-  changed_.wait(lock, [&] { return waiting_.size() <= most_waiting || stopped_; });
-}
-
-void SetSpool::stop() {
   const std::lock_guard lock(mutex_);
-  stopped_ = true;
-  changed_.notify_all();
-}
-
-/// A message is 1 where the run ends; else 0 and the end of the set.
-void SetSpool::receive() {
-  const std::optional<std::string> message = ring_.receive();
-  if (!message) return;
-  if (message->front() == 1) {
-    stop();
-    ended_ = true;
-    return;
-  }
-  placed_->take_tail(std::string_view(*message).substr(1), [&](const ChunkHeader& header) { check(header); });
-  holds_end_ = true;
-}
-
-/// A process knows the chunks up to its last one in this run.
-void SetSpool::send_end() {
-  const auto processes = static_cast<std::uint64_t>(ring_.count);
-  ring_.send(owner(chunks()), '\0' + placed_->tail(chunks() < first_ + processes ? 0 : chunks() - processes));
-  holds_end_ = false;
-}
-
-/// Tells every process that waits for the end of the set.
-void SetSpool::send_stop() {
-  std::set<int> waiting;
-  for (std::uint64_t chunk = chunks() + 1;
-       chunk <= count_ && chunk < chunks() + static_cast<std::uint64_t>(ring_.count); ++chunk)
-    waiting.insert(owner(chunk));
-  waiting.erase(ring_.rank);
-  for (const int process : waiting) ring_.send(process, "\1");
-  ended_ = true;
-}
-
-bool SetSpool::next_has_come() {
-  const std::lock_guard lock(mutex_);
-  return waiting_.contains(next_);
-}
-
-/// Returns the next chunk of this process, where it has come and this process holds the end of the set.
-std::optional<SetSpool::Waiting> SetSpool::wait_for_next(std::chrono::milliseconds wait) {
-  if (holds_end_) {
-    if (!next_has_come() && !placed_->flush()) fail(errno);     // the rows behind the last ones may come late
-  } else if (next_has_come() || next_ >= count_ || stopped_) {  // only the end is missing: a message of another process
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
-    return {};
-  }
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, wait, [&] { return waiting_.contains(next_) || stopped_; });
-  if (!holds_end_ || !waiting_.contains(next_)) return {};
-  return std::move(waiting_.extract(next_).mapped());
-}
-
-bool SetSpool::place(std::chrono::milliseconds wait) {
-  if (!holds_end_ && ring_.count > 1) receive();
-  if (ended_) return false;
-  if (holds_end_ && owner(chunks()) != ring_.rank) send_end();
-  if (next_ >= count_ && (ring_.rank != 0 || holds_end_)) return false;
-  const std::optional<Waiting> chunk = wait_for_next(wait);
-  if (!chunk) {
-    if (stopped_ && holds_end_) send_stop();
-    return !ended_;
-  }
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<std::string_view> payload = payload_of(chunk->rows, columns_);
-  std::optional<PlacedSet::Unwritten> unwritten = placed_->place(chunk->header, payload);
-  if (!unwritten) fail(errno);
-  next_ += static_cast<std::uint64_t>(ring_.count);
-  if (owner(chunks()) != ring_.rank) send_end();
-  if (!placed_->write(std::move(*unwritten), payload) || !sync_sometimes()) fail(errno);
-  bytes_ += chunk->header.bytes;
-  seconds_ += seconds_since(start);
-  const std::lock_guard lock(mutex_);
-  changed_.notify_all();
-  return true;
-}
-
-void SetSpool::flush() {
-  if ((holds_end_ && !placed_->flush()) || !placed_->sync()) fail(errno);
-}
-
-/// The disk is told of every chunk, and waited for once a second.
-bool SetSpool::sync_sometimes() {
-  if (std::chrono::steady_clock::now() - synced_ < std::chrono::seconds(1)) {
-    placed_->begin_sync();
-    return true;
+  bool good = write_all(file_, bytes_of(header));
+  for (const std::string_view part : payload) good = good && write_all(file_, part);
+  if (!good) {
+    const int error = errno;
+    [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(end_));  // else the next run cuts it off
+    fail(error);
   }
-  const bool good = placed_->sync();
-  synced_ = std::chrono::steady_clock::now();
-  return good;
+  end_ += sizeof header + header.bytes;
+  bytes_ += header.bytes;
+  seconds_ += seconds_since(start);
 }
 
-/// One thread reads chunks and checks them, the calling one writes.
-void SetSpool::copy_rows(ContactSetWriter& writer) const {
-  BoundedQueue<ContactSet> loaded(1);
-  bool whole = true;
-  std::exception_ptr error;
-  {
-    const std::jthread reader([&] {
-      try {
-        whole = placed_->each([&](const ChunkHeader& header, const std::string& payload) {
-          loaded.push(rows_from(payload, header, columns_));
-        });
-      } catch (...) {
-        error = std::current_exception();
-      }
-      loaded.close();
+void SetSpool::flush(std::chrono::seconds apart) {
+  const auto time = std::chrono::steady_clock::now();
+  if (time - synced_ < apart) return;
+  if (::fdatasync(file_) != 0 && errno != EINVAL) fail(errno);  // EINVAL: a file system that cannot
+  synced_ = time;
+}
+
+// A file, since a process that computes does not wait for messages.
+void SetSpool::stop() const { std::ofstream(folder_ / "stop"); }
+
+bool SetSpool::stopped() const {
+  std::error_code error;
+  return fs::exists(folder_ / "stop", error);
+}
+
+/// The rows of all chunks in order, read from their files.
+class SetSpool::Rows {
+ public:
+  explicit Rows(const SetSpool& spool) {
+    const ContactSet nothing(spool.columns_);
+    each_dataset(nothing, [&](const char*, const auto& values, int width, const char*) {
+      begins_.push_back(begins_.back() + sizeof(values[0]) * static_cast<std::size_t>(std::max(width, 1)));
     });
-    try {
-      while (const auto rows = loaded.pop()) writer.append(*rows);
-    } catch (...) {
-      loaded.close(true);  // the reader waits no longer
-      throw;
+    begins_.push_back(begins_.back() + parameters_of(spool.columns_) * sizeof(float));
+    for (const auto& [number, chunk] : spool.chunks_) {
+      chunks_.push_back(&chunk);
+      rows_.push_back(rows_.back() + chunk.header.rows);
+      contacts_.push_back(contacts_.back() + chunk.header.contacts);
+      if (std::ifstream& file = files_[chunk.file]; !file.is_open()) file.open(*chunk.file, std::ios::binary);
     }
   }
-  if (error) std::rethrow_exception(error);
-  if (!whole)
-    throw output_error(output_, "made of whole chunks: one of " + folder_.string() +
-                                    " was damaged while it was read; --resume generates it again");
-}
+  std::uint64_t rows() const { return rows_.back(); }
+  std::uint64_t contacts() const { return contacts_.back(); }
+  /// As SetRows::copy.
+  bool copy(std::size_t dataset, std::uint64_t first, std::uint64_t count, char* to) {
+    const std::vector<std::uint64_t>& before = dataset + 2 < begins_.size() ? rows_ : contacts_;
+    const std::uint64_t size = begins_[dataset + 1] - begins_[dataset];
+    auto k = static_cast<std::size_t>(std::ranges::upper_bound(before, first) - before.begin()) - 1;
+    for (std::uint64_t take = 0; count > 0; count -= take, first += take, to += take * size, ++k) {
+      const Chunk& chunk = *chunks_[k];
+      take = std::min(count, before[k + 1] - first);
+      const std::uint64_t at = chunk.at + chunk.header.rows * begins_[dataset] + (first - before[k]) * size;
+      if (!files_[chunk.file]
+               .seekg(static_cast<std::streamoff>(at))
+               .read(to, static_cast<std::streamsize>(take * size)))
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<const Chunk*> chunks_;
+  std::vector<std::uint64_t> rows_{0}, contacts_{0};  ///< before each chunk; the last: of all
+  std::vector<std::uint64_t> begins_{0};              ///< of each dataset, of the parameters: bytes before, a row
+  std::map<const fs::path*, std::ifstream> files_;
+};
 
 void SetSpool::assemble(ContactSet& set, bool compress) {
-  if (chunks() != count_)
-    throw output_error(output_,
-                       fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks(), count_));
-  std::uint64_t contacts = 0;
-  for (const ChunkHeader& header : placed_->chunks()) {
-    contacts += header.contacts;
-    set += header.counts;
-  }
-  if (compress || !placed_->fits_hdf5()) {  // a copy
-    flush();
-    ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
-    copy_rows(writer);
-    writer.finish(set);
-  } else {
-    if (!placed_->finish(set)) fail(errno != 0 ? errno : EIO);  // HDF5 may not say why
-    move_file("--output", PlacedSet::set_file(folder_), output_);
-  }
+  with_output(output_, [&] { find_chunks(false); });
+  if (chunks_.size() != count_)
+    throw output_error(
+        output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count_));
+  for (const auto& [number, chunk] : chunks_) set += chunk.header.counts;
+  Rows rows(*this);
+  const auto copy = [&](std::size_t dataset, std::uint64_t first, std::uint64_t count, char* to) {
+    return rows.copy(dataset, first, count, to);
+  };
+  errno = 0;
+  if (!write_set_file(output_, {columns_, rows.rows(), rows.contacts(), copy}, set, compress))
+    fail(errno != 0 ? errno : EIO);  // HDF5 may not say why
   with_output(output_, [&] { remove_spool(folder_); });
 }
 

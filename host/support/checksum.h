@@ -12,6 +12,9 @@ std::uint64_t checksum(std::string_view bytes);
 /// The same as 16 hexadecimal digits.
 std::string checksum_text(std::string_view bytes);
 
+/// Returns Fletcher's checksum, 32 bit, as HDF5's filter appends it to a chunk.
+std::uint32_t fletcher32(std::string_view bytes);
+
 /// Checksum of bytes that arrive piece by piece.
 class RunningChecksum {
  public:
@@ -23,10 +26,6 @@ class RunningChecksum {
   std::uint64_t value() const;
   /// The same as checksum_text.
   std::string text() const;
-  /// Returns what another process of this program needs to go on.
-  std::string state() const;
-  /// Goes on from a state, which it takes from the beginning of `bytes`. Throws std::length_error where they are fewer.
-  void go_on(std::string_view& bytes);
 
  private:
   struct State;

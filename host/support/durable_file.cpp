@@ -262,21 +262,6 @@ void write_file(const std::string& option, const fs::path& path, std::string_vie
   file.commit();
 }
 
-void move_file(const std::string& option, const fs::path& file, const fs::path& path) {
-  check_writable(option, path);
-  const fs::path target = behind_links(option, path);
-  if (::rename(file.c_str(), target.c_str()) == 0) {
-    if (!sync_folder(folder_of(target))) refuse(option, path, errno);
-    return;
-  }
-  if (errno != EXDEV) refuse(option, path, errno);
-  DurableFile copy(option, path);
-  std::error_code error;
-  fs::copy_file(file, copy.temporary(), fs::copy_options::overwrite_existing, error);
-  if (error) refuse(option, path, error.value());
-  copy.commit();
-}
-
 void make_folder(const std::string& option, const fs::path& path) {
   std::error_code error;
   std::vector<fs::path> changed;  // folders that get a new name in them

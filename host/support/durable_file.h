@@ -38,9 +38,6 @@ class DurableFile {
 /// directly. Throws ConfigError naming `option`, as --json.
 void write_file(const std::string& option, const std::filesystem::path& path, std::string_view content);
 
-/// Gives a file that is on the disk its name, as DurableFile::commit(); copies it where the name is on another disk.
-void move_file(const std::string& option, const std::filesystem::path& file, const std::filesystem::path& path);
-
 /// Throws ConfigError where write_file could not work at `path`, for a check before a long computation.
 void check_writable(const std::string& option, const std::filesystem::path& path);
 

@@ -23,12 +23,7 @@ const char* set_by_mpirun() {
 }  // namespace
 
 #ifdef TACTEL_MPI
-struct Ranks::Sending {
-  MPI_Request request = MPI_REQUEST_NULL;
-  std::string bytes;
-};
-
-Ranks::Ranks() : sending_(std::make_unique<Sending>()) {
+Ranks::Ranks() {
   if (!set_by_mpirun()) return;
   int given = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
@@ -52,30 +47,7 @@ std::vector<double> Ranks::sum(std::vector<double> values) const {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   return values;
 }
-
-void Ranks::send(int rank, std::string bytes) {
-  if (!started_) return;
-  // The analyzer sees no earlier call: NOLINTNEXTLINE(clang-analyzer-optin.mpi.MPI-Checker)
-  MPI_Wait(&sending_->request, MPI_STATUS_IGNORE);
-  sending_->bytes = std::move(bytes);
-  MPI_Isend(sending_->bytes.data(), static_cast<int>(sending_->bytes.size()), MPI_BYTE, rank, 0, MPI_COMM_WORLD,
-            &sending_->request);
-}
-
-std::optional<std::string> Ranks::receive() const {
-  if (!started_) return {};
-  int waits = 0, size = 0;
-  MPI_Message message = MPI_MESSAGE_NULL;
-  MPI_Status status;
-  MPI_Improbe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &waits, &message, &status);
-  if (!waits) return {};
-  MPI_Get_count(&status, MPI_BYTE, &size);
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  MPI_Mrecv(bytes.data(), size, MPI_BYTE, &message, MPI_STATUS_IGNORE);
-  return bytes;
-}
 #else
-struct Ranks::Sending {};
 Ranks::Ranks() {
   if (const char* name = set_by_mpirun())
     throw ConfigError(
@@ -86,8 +58,6 @@ Ranks::Ranks() {
 Ranks::~Ranks() = default;
 void Ranks::barrier() const {}
 std::vector<double> Ranks::sum(std::vector<double> values) const { return values; }
-void Ranks::send(int, std::string) {}
-std::optional<std::string> Ranks::receive() const { return {}; }
 #endif
 
 }  // namespace tactel::host

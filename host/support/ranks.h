@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstdint>
 #include <cstring>
-#include <memory>
-#include <optional>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -37,15 +33,8 @@ class Ranks {
     std::memcpy(static_cast<void*>(&all), values.data(), sizeof all);
     return all;
   }
-  /// Sends bytes to another process, without waiting for it; waits for the bytes before. All calls come from one
-  /// thread.
-  void send(int rank, std::string bytes);
-  /// Returns the next bytes that another process sent here; none where nothing has come.
-  std::optional<std::string> receive() const;
 
  private:
-  struct Sending;
-  std::unique_ptr<Sending> sending_;
   bool started_ = false;
   int rank_ = 0, count_ = 1;
 };

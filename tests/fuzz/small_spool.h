@@ -11,11 +11,7 @@ inline constexpr std::uint64_t small_chunks = 2;
 /// An unfinished set of two chunks, whose parts stay beside `output`.
 inline void write_small_spool(const std::filesystem::path& output) {
   host::SetSpool spool(output, spool_plan, small_inputs, small_chunks, host::SetSpool::Open::fresh);
-  for (std::uint64_t chunk = 0; chunk < small_chunks; ++chunk) {
-    spool.append(chunk, small_set());
-    spool.place(std::chrono::milliseconds(0));
-  }
-  spool.flush();
+  for (std::uint64_t chunk = 0; chunk < small_chunks; ++chunk) spool.append(chunk, small_set());
 }
 
 }  // namespace tactel::fuzz

@@ -87,11 +87,11 @@ void write_checkpoint(const fs::path& path) {
   host::write_checkpoint<float>(path, checkpoint_plan, records);
 }
 
-/// Headers of chunks 0 and 1 of an unfinished set.
+/// Chunks 0 and 1 of an unfinished set.
 void write_spool(const fs::path& path) {
   const fs::path output = path.parent_path() / "set.h5";
   write_small_spool(output);
-  fs::copy_file(host::SetSpool::folder(output) / "0000.placed", path, fs::copy_options::overwrite_existing);
+  fs::copy_file(host::SetSpool::folder(output) / "0000.chunks", path, fs::copy_options::overwrite_existing);
   host::SetSpool::discard(output);
 }
 

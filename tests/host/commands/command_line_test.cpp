@@ -344,7 +344,7 @@ TEST(HostilePipe, APipeWithoutAWriterIsRefusedByEveryReader) {
   std::filesystem::create_symlink(pipe, folder / "model" / "a.onnx");
   std::filesystem::create_directories(folder / "b.h5.parts");
   std::filesystem::create_symlink(pipe, folder / "b.h5.parts" / "plan");
-  for (const char* name : {"c.h5.parts/0000.placed", "d.h5.parts/set", "e.h5.parts/any"}) {
+  for (const char* name : {"c.h5.parts/0000.chunks", "e.h5.parts/any"}) {
     std::filesystem::create_directories((folder / name).parent_path());
     ASSERT_EQ(::mkfifo((folder / name).c_str(), 0600), 0);
   }
@@ -357,8 +357,7 @@ TEST(HostilePipe, APipeWithoutAWriterIsRefusedByEveryReader) {
   for (const std::string& command :
        {"solve " + pipe, "solve " + profile, "generate " + pipe + " --output " + set + " --force",
         "generate " + sweep + " --output " + (folder / "b.h5").string() + " --resume",
-        "generate " + sweep + " --output " + (folder / "c.h5").string() + " --resume",
-        "generate " + sweep + " --output " + (folder / "d.h5").string() + " --resume", "check " + pipe,
+        "generate " + sweep + " --output " + (folder / "c.h5").string() + " --resume", "check " + pipe,
         "train " + pipe + " " + train + net, "train " + set + " --resume " + train + (folder / "report").string(),
         "train " + set + " --resume " + train + (folder / "checkpoint").string(), "recall " + pipe + " " + set,
         "recall " + (folder / "model").string() + " " + set, "record --source replay:" + pipe + " --output /dev/null",

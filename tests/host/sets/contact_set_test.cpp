@@ -123,10 +123,9 @@ TEST(ContactSetFile, LeavesNothingHalfWritten) {
   const ScratchFolder folder;
   EXPECT_THROW(write_contact_set("/nowhere/set.h5", recall_set()), ConfigError);
   write_contact_set(folder / "whole.h5", recall_set());
-  {
-    ContactSetWriter writer(folder / "half.h5", recall_set().inputs, recall_set().rows(), 28);
-    writer.append(recall_set());
-  }
+  ContactSet half = recall_set();
+  half.friction.resize(half.rows() / 2);
+  EXPECT_THROW(write_contact_set(folder / "half.h5", half), ConfigError);
   EXPECT_EQ(folder.files(), 1u);
 }
 

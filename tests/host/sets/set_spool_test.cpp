@@ -2,9 +2,11 @@
 #include "host/sets/set_spool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
-#include <deque>
+#include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "host/sets/check_set.h"
 #include "host/support/errors.h"
@@ -26,7 +28,7 @@ SetColumns columns() {
   return only_columns(all, "inputs,status,parameters,tactel_x");
 }
 
-/// Chunk k: 8192 to 20 191 rows, a stripe of the set having 8192; one chunk has none.
+/// Chunk k: 8192 to 20 191 rows, where HDF5's chunks have 8192; one has none.
 ContactSet chunk_of(std::uint64_t k) {
   ContactSet chunk(columns());
   const std::size_t rows = k == 4 ? 0 : 8192 + k * 7919 % 12000;
@@ -41,107 +43,61 @@ ContactSet chunk_of(std::uint64_t k) {
   return chunk;
 }
 
-/// The processes of a run, in turn in this one. Between two turns nothing is under way: a copy of the folder is what a
-/// kill at that moment leaves.
+/// The processes of a run, in this one.
 class Processes {
  public:
-  Processes(const fs::path& output, int processes, SetSpool::Open how) : mail_(static_cast<std::size_t>(processes)) {
-    for (int rank = 0; rank < processes; ++rank) {
-      const Ring ring{rank, processes, [this](int to, std::string bytes) { mail_.at(to).push_back(std::move(bytes)); },
-                      [this, rank] { return take(mail_.at(rank)); }};
-      if (rank == 0)
-        spools_.push_back(std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, how, ring));
-      else
-        spools_.push_back(std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, SetSpool::Open::join, ring,
-                                                     spools_[0]->chunks()));
-      const std::vector<std::uint64_t> missing = spools_.back()->missing();
-      missing_.emplace_back(missing.begin(), missing.end());
-    }
+  Processes(const fs::path& output, int processes, SetSpool::Open how) : output_(output) {
+    for (int process = 0; process < processes; ++process)
+      spools_.push_back(std::make_unique<SetSpool>(output, "plan", columns(), chunk_total,
+                                                   process == 0 ? how : SetSpool::Open::join, process));
+    for (int process = 0; process < processes; ++process)
+      for (const std::uint64_t chunk : missing_chunks(spools_[0]->found(), process, processes))
+        missing_.emplace_back(chunk, process);
   }
-  SetSpool& spool(std::size_t rank) { return *spools_[rank]; }
-  std::size_t letters() const {
-    std::size_t all = 0;
-    for (const auto& box : mail_) all += box.size();
-    return all;
-  }
+  SetSpool& spool(std::size_t process) { return *spools_[process]; }
+  std::size_t missing() const { return missing_.size(); }
 
-  /// One turn of a process. Returns false where nothing is left to do for it.
-  bool turn(std::size_t rank) {
-    if (!missing_[rank].empty() && !spools_[rank]->stopped()) {
-      spools_[rank]->append(missing_[rank].front(), chunk_of(missing_[rank].front()));
-      missing_[rank].pop_front();
-    }
-    return spools_[rank]->place(std::chrono::milliseconds(0));
-  }
-  /// Turns until all processes end; calls after() behind each.
+  /// Makes the missing chunks, those of the last process first; calls after() behind each.
   template <class After>
   void to_the_end(const After& after) {
-    std::vector<bool> ended(spools_.size());
-    for (int round = 0; std::ranges::count(ended, false) > 0; ++round) {
-      ASSERT_LT(round, 1000) << "some processes wait for ever";
-      for (std::size_t rank = 0; rank < spools_.size(); ++rank) {
-        if (ended[rank]) continue;
-        // A chunk waits at most: the process would wait for room.
-        ended[rank] = !(waits(rank) ? spools_[rank]->place(std::chrono::milliseconds(0)) : turn(rank));
-        after();
-      }
-    }
-  }
-  void to_the_end() {
-    to_the_end([] {});
+    for (; !missing_.empty(); missing_.pop_back(), after())
+      spools_[static_cast<std::size_t>(missing_.back().second)]->append(missing_.back().first,
+                                                                        chunk_of(missing_.back().first));
   }
   /// The bytes of the set.
-  std::string finish(const fs::path& output) {
+  std::string finish() {
+    to_the_end([] {});
     for (auto& spool : spools_) spool->flush();
     ContactSet set(columns());
     set.contacts = (chunk_total - 1) * 8192 + 100;
     set.sweep = long_sweep, set.indenter_names = {long_name};
     spools_[0]->assemble(set);
     EXPECT_EQ(set.fell_back, chunk_total * (chunk_total - 1) / 2);
-    EXPECT_FALSE(fs::exists(SetSpool::folder(output)));
-    return text_of(output);
+    EXPECT_FALSE(fs::exists(SetSpool::folder(output_)));
+    return text_of(output_);
   }
 
  private:
-  static std::optional<std::string> take(std::deque<std::string>& box) {
-    if (box.empty()) return {};
-    std::string first = std::move(box.front());
-    box.pop_front();
-    return first;
-  }
-  /// Whether a chunk of the process waits for those before it.
-  bool waits(std::size_t rank) {
-    const std::uint64_t next = missing_[rank].empty() ? chunk_total : missing_[rank].front();
-    return spools_[rank]->missing().empty() ? false : spools_[rank]->missing().front() < next;
-  }
-
-  std::vector<std::deque<std::string>> mail_;
+  fs::path output_;
   std::vector<std::unique_ptr<SetSpool>> spools_;
-  std::vector<std::deque<std::uint64_t>> missing_;
+  std::vector<std::pair<std::uint64_t, int>> missing_;
 };
 
 class Spool : public ::testing::Test {
  protected:
   fs::path at(const std::string& name) const { return folder_ / name; }
-  std::string made_by(int processes) {
-    const fs::path output = at(std::to_string(processes) + ".h5");
-    Processes run(output, processes, SetSpool::Open::fresh);
-    run.to_the_end();
-    return run.finish(output);
-  }
-  /// Goes on with what a run left, by so many processes.
-  std::string resumed(const fs::path& output, int processes) {
-    Processes run(output, processes, SetSpool::Open::resume);
-    run.to_the_end();
-    return run.finish(output);
+  /// The chunks that a run of so many processes finds, and whether some were torn.
+  static std::pair<std::size_t, bool> found(const fs::path& output) {
+    const SetSpool first(output, "plan", columns(), chunk_total, SetSpool::Open::resume);
+    return {chunk_total - missing_chunks(first.found()).size(), first.torn()};
   }
 
   ScratchFolder folder_;
+  const std::string whole_ = Processes(at("1.h5"), 1, SetSpool::Open::fresh).finish();
 };
 
 // HDF5 reads the rows of all chunks, in order, with its own checksums.
 TEST_F(Spool, AnyNumberOfProcessesGivesTheSameBytes) {
-  const std::string one = made_by(1);
   const ContactSet set = read_contact_set(at("1.h5"));
   ContactSet all(columns());
   for (std::uint64_t k = 0; k < chunk_total; ++k) {
@@ -153,92 +109,133 @@ TEST_F(Spool, AnyNumberOfProcessesGivesTheSameBytes) {
   }
   EXPECT_TRUE(set.frames == all.frames);
   EXPECT_TRUE(set.status == all.status);
+  EXPECT_TRUE(set.contact_parameters == all.contact_parameters);
+  EXPECT_EQ(set.tactel_x, columns().tactel_x);
   EXPECT_EQ(set.sweep, long_sweep);
   EXPECT_EQ(set.indenter_names, std::vector{long_name});
   EXPECT_TRUE(check_contact_set(at("1.h5"), {}).damage.empty());
-  for (const int processes : {2, 3, 7, 9}) EXPECT_TRUE(made_by(processes) == one) << processes;
+  for (const int processes : {2, 3, 7, 9})
+    EXPECT_TRUE(Processes(at("set.h5"), processes, SetSpool::Open::fresh).finish() == whole_) << processes;
+}
+
+TEST_F(Spool, ThreadsAppendAtOnce) {
+  const fs::path output = at("set.h5");
+  Processes run(output, 1, SetSpool::Open::fresh);
+  {
+    std::vector<std::jthread> threads;
+    for (std::uint64_t k = 0; k < chunk_total; ++k)
+      threads.emplace_back([&run, k] { run.spool(0).append(k, chunk_of(k)); });
+  }
+  EXPECT_EQ(run.spool(0).bytes() + chunk_total * sizeof(ChunkHeader), SetSpool::bytes_left(output));
+  fs::copy(SetSpool::folder(output), SetSpool::folder(at("killed.h5")));
+  EXPECT_EQ(found(at("killed.h5")), std::pair(chunk_total, false));
+  EXPECT_TRUE(Processes(at("killed.h5"), 1, SetSpool::Open::resume).finish() == whole_);
 }
 
 TEST_F(Spool, KilledAtAnyMomentAnyNumberOfProcessesGoesOn) {
-  const std::string one = made_by(1);
-  const fs::path output = at("set.h5");
+  const fs::path output = at("set.h5"), killed = at("killed.h5");
   Processes run(output, 3, SetSpool::Open::fresh);
-  int moment = 0;
+  std::size_t made = 0;
   run.to_the_end([&] {
-    const fs::path killed = at("killed.h5");
     fs::copy(SetSpool::folder(output), SetSpool::folder(killed));
-    std::uint64_t placed = 0;
-    for (int rank = 0; rank < 3; ++rank) placed = std::max(placed, run.spool(rank).chunks());
-    const int others = moment++ % 4 + 1;
-    {
-      const SetSpool first(killed, "plan", columns(), chunk_total, SetSpool::Open::resume);
-      EXPECT_GE(first.chunks() + 2, placed);  // two share a stripe at most, and one has no row
-    }
-    EXPECT_TRUE(resumed(killed, others) == one) << "moment " << moment << ", then " << others << " processes";
+    EXPECT_EQ(found(killed), std::pair(++made, false));
+    const int others = static_cast<int>(made) % 4 + 1;
+    EXPECT_TRUE(Processes(killed, others, SetSpool::Open::resume).finish() == whole_)
+        << made << " chunks, then " << others << " processes";
   });
-  EXPECT_GT(moment, 7);
-  EXPECT_TRUE(run.finish(output) == one);
+  EXPECT_EQ(made, chunk_total);
+  EXPECT_TRUE(run.finish() == whole_);
 }
 
-// What the processes wrote is not written in the order of the chunks: one in the middle may be missing.
-TEST_F(Spool, ATornChunkAndThoseBehindItAreMadeAgain) {
-  const std::string one = made_by(1);
-  const fs::path output = at("set.h5"), parts = SetSpool::folder(output);
-  for (const bool header : {false, true}) {
+// The first of three processes has chunks 6, 3 and 0, in this order. Cut within one, or damaged.
+TEST_F(Spool, TornAndDamagedChunksAreMadeAgain) {
+  constexpr std::uint64_t header = sizeof(ChunkHeader);
+  const auto bytes = [](std::uint64_t k) { return header + chunk_of(k).rows() * 21 + chunk_of(k).contacts * 12; };
+  const std::uint64_t third = bytes(6) + bytes(3), end = third + bytes(0);
+  struct Damage {
+    std::uint64_t at;
+    bool cut;
+    std::size_t left;
+  };
+  for (const auto& [place, cut, left] : std::vector<Damage>{{end - 1, true, 6},
+                                                            {third + header + 1, true, 6},
+                                                            {third + header, true, 6},
+                                                            {third + 1, true, 6},
+                                                            {bytes(6) + header + 5, true, 5},
+                                                            {0, true, 4},
+                                                            {end - 1, false, 6},
+                                                            {bytes(6) + header + 5, false, 6},
+                                                            {bytes(6) + 20, false, 5},
+                                                            {header + 8, false, 6}}) {
+    const fs::path output = at("set.h5"), file = SetSpool::folder(output) / "0000.chunks";
     {
       Processes run(output, 3, SetSpool::Open::fresh);
-      run.to_the_end();
-      for (int rank = 0; rank < 3; ++rank) run.spool(rank).flush();
-      ASSERT_EQ(run.spool(0).chunks(), chunk_total);
+      run.to_the_end([] {});
     }
-    if (header) {  // the second of its two
-      fs::resize_file(parts / "0002.placed", 1.5 * sizeof(ChunkHeader));
-    } else {  // in the middle
-      std::fstream file(parts / "set", std::ios::in | std::ios::out | std::ios::binary);
-      file.seekp(static_cast<std::streamoff>(fs::file_size(parts / "set") / 2));
-      file.write("damage", 6);
+    ASSERT_EQ(fs::file_size(file), end);
+    if (cut) {
+      fs::resize_file(file, place);
+    } else {
+      std::fstream open(file, std::ios::in | std::ios::out | std::ios::binary);
+      open.seekp(static_cast<std::streamoff>(place)).put('\xfe');
     }
-    {
-      const SetSpool first(output, "plan", columns(), chunk_total, SetSpool::Open::resume);
-      EXPECT_TRUE(first.torn());
-      EXPECT_GT(first.chunks(), 1u);
-      EXPECT_LT(first.chunks(), header ? 6u : chunk_total);
-    }
-    EXPECT_TRUE(resumed(output, 2) == one);
+    EXPECT_EQ(found(output), std::pair(left, place > 0)) << place;
+    EXPECT_TRUE(Processes(output, 2, SetSpool::Open::resume).finish() == whole_) << place;
     fs::remove(output);
   }
 }
 
-// A process that stops stops all, once the end of the set comes by; no chunk that has its place is lost, and no message
-// stays behind.
-TEST_F(Spool, AStopOfOneProcessStopsAllAndKeepsTheChunks) {
-  const std::string one = made_by(1);
-  for (int rounds = 0; rounds < 2; ++rounds)
-    for (std::size_t stopper = 0; stopper < 3; ++stopper) {
-      const fs::path output = at("set.h5");
-      std::uint64_t placed = 0;
-      {
-        Processes run(output, 3, SetSpool::Open::fresh);
-        for (int turn = 0; turn < 5 * rounds; ++turn) run.turn(static_cast<std::size_t>(turn % 3));
-        run.spool(stopper).stop();
-        run.to_the_end();
-        EXPECT_EQ(run.letters(), 0u);
-        for (std::size_t rank = 0; rank < 3; ++rank) placed = std::max(placed, run.spool(rank).chunks());
-      }
-      {
-        const SetSpool first(output, "plan", columns(), chunk_total, SetSpool::Open::resume);
-        EXPECT_EQ(first.chunks(), placed);
-      }
-      EXPECT_TRUE(resumed(output, 2) == one);
-      fs::remove(output);
-    }
+// A limit on the size of files stands for a full disk.
+TEST_F(Spool, AChunkThatDoesNotFitLeavesTheOthersWhole) {
+  const fs::path output = at("set.h5"), file = SetSpool::folder(output) / "0000.chunks";
+  {
+    SetSpool spool(output, "plan", columns(), chunk_total, SetSpool::Open::fresh);
+    spool.append(0, chunk_of(0));
+    const std::uint64_t size = fs::file_size(file);
+    rlimit usual{};
+    ::getrlimit(RLIMIT_FSIZE, &usual);
+    const rlimit full{size + 1000, usual.rlim_max};
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    ::setrlimit(RLIMIT_FSIZE, &full);
+    EXPECT_THROW(spool.append(1, chunk_of(1)), ConfigError);
+    ::setrlimit(RLIMIT_FSIZE, &usual);
+    std::signal(SIGXFSZ, handler);
+    EXPECT_EQ(fs::file_size(file), size);
+    spool.append(2, chunk_of(2));
+    ContactSet set(columns());
+    EXPECT_THROW(spool.assemble(set), ConfigError);
+  }
+  EXPECT_EQ(found(output), std::pair(std::size_t{2}, false));
+  EXPECT_TRUE(Processes(output, 2, SetSpool::Open::resume).finish() == whole_);
+}
+
+TEST_F(Spool, AStopOfOneProcessIsSeenByAllAndNotByTheNextRun) {
+  const fs::path output = at("set.h5");
+  for (std::size_t stopper = 0; stopper < 3; ++stopper) {
+    Processes run(output, 3, stopper == 0 ? SetSpool::Open::fresh : SetSpool::Open::resume);
+    for (std::size_t process = 0; process < 3; ++process) EXPECT_FALSE(run.spool(process).stopped());
+    run.spool(stopper).stop();
+    for (std::size_t process = 0; process < 3; ++process) EXPECT_TRUE(run.spool(process).stopped());
+  }
+  EXPECT_TRUE(Processes(output, 1, SetSpool::Open::resume).finish() == whole_);
+}
+
+// A process that outlives the others of its run: nothing may come between its chunks.
+TEST_F(Spool, NoRunGoesOnWhileAProcessWrites) {
+  const fs::path output = at("set.h5");
+  auto first = std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, SetSpool::Open::fresh);
+  auto second = std::make_unique<SetSpool>(output, "plan", columns(), chunk_total, SetSpool::Open::join, 1);
+  second->append(1, chunk_of(1));
+  first.reset();
+  EXPECT_THROW(found(output), ConfigError);
+  second.reset();
+  EXPECT_EQ(found(output), std::pair(std::size_t{1}, false));
 }
 
 TEST_F(Spool, AProcessWithAnotherPlanIsAnError) {
   const fs::path output = at("set.h5");
-  Processes run(output, 2, SetSpool::Open::fresh);
-  const Ring second{.rank = 1, .count = 2};
-  EXPECT_THROW(SetSpool(output, "another plan", columns(), chunk_total, SetSpool::Open::join, second), ConfigError);
+  const Processes run(output, 1, SetSpool::Open::fresh);
+  EXPECT_THROW(SetSpool(output, "another plan", columns(), chunk_total, SetSpool::Open::join, 1), ConfigError);
 }
 
 }  // namespace

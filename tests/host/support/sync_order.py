@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Runs a command under strace and checks that every TARGET that it made would survive a power cut: its temporary, made
-with O_EXCL and O_NOFOLLOW, is written, then synced, then renamed, then its folder is synced. The temporary of a TARGET
-"resumed:PATH" may be that of an earlier run: without O_EXCL.
+with O_EXCL and O_NOFOLLOW, is written, then synced, then renamed, then its folder is synced.
 A TARGET "in-place:PATH" is made and written under its own name: it is synced after its last write, and its folder after
 it was made. Of "content:PATH" the content alone must survive: a list whose loss costs time.
 Usage: sync_order.py TARGET... -- COMMAND..."""
@@ -13,7 +12,7 @@ import sys
 import tempfile
 
 middle = sys.argv.index("--")
-kinds = [t.partition(":")[0] if t.startswith(("in-place:", "content:", "resumed:")) else "" for t in sys.argv[1:middle]]
+kinds = [t.partition(":")[0] if t.startswith(("in-place:", "content:")) else "" for t in sys.argv[1:middle]]
 targets = [os.path.realpath(t.removeprefix(kind + ":")) for kind, t in zip(kinds, sys.argv[1:middle])]
 command = sys.argv[middle + 1:]
 calls = "openat,write,pwrite64,pwritev,fsync,fdatasync,rename,renameat,renameat2"
@@ -51,7 +50,7 @@ for kind, target in zip(kinds, targets):
     temporary = re.findall(r'"([^"]+)"', lines[renamed])[0]
     name = re.escape(temporary)
     opened = at(rf'^openat\(.*"{name}".*O_CREAT', what="its temporary was never made")
-    for flag in ("O_NOFOLLOW",) if kind else ("O_EXCL", "O_NOFOLLOW"):
+    for flag in ("O_EXCL", "O_NOFOLLOW"):
         if flag not in lines[opened]:
             sys.exit(f"{target}: its temporary was opened without {flag}")
     writes = [i for i in range(opened, len(lines)) if re.search(written.format(name=name), lines[i])]
