@@ -51,7 +51,7 @@ void OnlineOptions::validate() const {
     throw ValueError("training.momentum", std::to_string(momentum), "at least 0 and below 1");
   if (!(stop_error >= 0)) throw ValueError("training.stop_error", std::to_string(stop_error), "at least 0");
   if (cycle_limit < 0)
-    throw ValueError("training.cycle_limit", std::to_string(cycle_limit), "at least 1, or 0 for the paper's");
+    throw ValueError("training.cycles", std::to_string(cycle_limit), "at least 1, or 0 for the paper's");
 }
 
 template <class Scalar>

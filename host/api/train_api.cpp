@@ -20,25 +20,10 @@ namespace {
 
 host::TrainRequest request_of(const TrainOptions& options) {
   api::check_precision(options.precision);
-  host::TrainRequest request;
-  request.shared = {options.device, options.precision, true};
-  request.networks = options.networks, request.noises = options.noises;
-  request.seeds = options.seeds, request.first_seed = options.first_seed;
-  request.scaling = options.scaling, request.features = options.features, request.order = options.order;
   if (options.schedule != "online" && options.schedule != "batch" && options.schedule != "cosine")
     throw ConfigError("command line", "--schedule", options.schedule, "online, batch or cosine");
-  request.schedule = options.schedule;
-  request.rate = options.rate, request.momentum = options.momentum;
-  request.cycles = options.cycles, request.batch = options.batch;
-  if (!options.optimizer.empty()) request.optimizer = options.optimizer;
-  if (!options.loss.empty()) request.loss = options.loss;
-  request.warm_up = options.warm_up, request.average = options.average, request.patience = options.patience;
+  host::TrainRequest request(options);
   if (options.validation != nullptr) request.validation_set = "validation";
-  request.stop_error = options.stop_error;
-  request.bound = options.bound, request.level = options.level;
-  if (!options.history.empty()) request.history = options.history;
-  request.history_change = options.history_change;
-  request.target = options.target, request.friction = options.friction;
   return request;
 }
 
@@ -95,8 +80,7 @@ Network Network::from_layers(const std::vector<DenseLayer>& layers, const InputO
   return api::with_public_errors([&] {
     host::DenseChain chain;
     for (const DenseLayer& layer : layers) chain.push_back(to_host(layer));
-    const auto history = host::parse_history(inputs.history.empty() ? std::nullopt : std::optional(inputs.history),
-                                             inputs.history_change);
+    const auto history = host::parse_history(inputs.history, inputs.history_change);
     const nn::InputScaling scaling{nn::parse_scaling(inputs.scaling), static_cast<float>(inputs.largest_stress), 1,
                                    inputs.axes};
     return Network(new State{std::make_shared<nn::Model>(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "host/commands/add_option.h"
 #include "host/commands/calibrate_bounds.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
@@ -60,20 +61,17 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   auto request = std::make_shared<CalibrateBoundRequest>();
   CLI::App* bound = command->add_subcommand("bound", "renew the conformal bound of a network by the rows of a set");
-  bound
-      ->add_option("network", request->network,
-                   "network with a bound, see tactel train --bound (whose --bound-set does the same)")
-      ->type_name("FILE.onnx")
+  add_option(*bound, "network", request->network,
+             "network with a bound, see tactel train --bound (whose --bound-set does the same)", {.type = "FILE.onnx"})
       ->required();
-  bound->add_option("set", request->set, "set to calibrate by (HDF5), of another seed than the learning set")
-      ->type_name("SET.h5")
+  add_option(*bound, "set", request->set, "set to calibrate by (HDF5), of another seed than the learning set",
+             {.type = "SET.h5"})
       ->required();
-  bound->add_option("--output", request->output, "network file to write (default: in place)")->type_name("FILE.onnx");
-  bound->add_option("--level", request->level, "share of new frames whose S shall be below the bound, no unit")
-      ->check(CLI::Range(0.5, 0.9999))
-      ->capture_default_str();
+  add_option(*bound, "--output", request->output, "network file to write (default: in place)", {.type = "FILE.onnx"});
+  add_option(*bound, "--level", request->level, "share of new frames whose S shall be below the bound, no unit",
+             {.least = 0.5, .most = 0.9999});
   add_device_option(*bound, request->shared.device);
-  bound->add_flag("--quiet", request->shared.quiet, "no progress, no warnings and no summary");
+  add_option(*bound, "--quiet", request->shared.quiet, "no progress, no warnings and no summary");
   command->group("Learn");  // here, or its own commands would be in this group
   bound->callback([request, &action] { action = [request] { return run_calibrate_bound(*request); }; });
 }

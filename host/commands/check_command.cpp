@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/sets/check_set.h"
 #include "host/support/interrupt.h"
@@ -42,8 +43,8 @@ void add_check_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<CheckRequest>();
   CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name what is damaged or edited");
   command->group("Simulate");
-  command->add_option("set", request->set, "a set that tactel generate wrote")->type_name("SET.h5")->required();
-  command->add_flag("--quiet", request->quiet, "print only damage");
+  add_option(*command, "set", request->set, "a set that tactel generate wrote", {.type = "SET.h5"})->required();
+  add_option(*command, "--quiet", request->quiet, "print only damage");
   command->footer("Exit codes: 0 as written, 2 not a set, 4 damaged or edited.");
   command->callback([request, &action] { action = [request] { return run_check(*request); }; });
 }

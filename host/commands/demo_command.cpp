@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
 #include "host/support/child_process.h"
@@ -153,8 +154,8 @@ void add_demo_command(CLI::App& app, Action& action) {
       "show tactel in a minute: a contact, a set, a network, its page and a live view; each command is shown, with "
       "its reason");
   command->group("Set up");
-  command->add_option("--output", request->output, "directory of all files")->type_name("DIR")->capture_default_str();
-  command->add_flag("--force", request->force, "overwrite the files in DIR");
+  add_option(*command, "--output", request->output, "directory of all files", {.type = "DIR"});
+  add_option(*command, "--force", request->force, "overwrite the files in DIR");
   add_device_option(*command, request->device);
   command->callback([request, &action] { action = [request] { return run_demo(*request); }; });
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/live/sensor_profile.h"
 #include "hw/usb_source.h"
@@ -95,9 +96,9 @@ void add_devices_command(CLI::App& app, Action& action) {
   auto json = std::make_shared<bool>(false), sensors = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
   command->group("Set up");
-  command->add_flag("--json", *json, "print JSON instead of the table");
-  command->add_flag("--sensors", *sensors,
-                    "list the USB devices that may be sensors instead, and the --source of each");
+  add_option(*command, "--json", *json, "print JSON instead of the table");
+  add_option(*command, "--sensors", *sensors,
+             "list the USB devices that may be sensors instead, and the --source of each");
   command->callback([json, sensors, &action] {
     action = [json, sensors] { return (*sensors ? sensors_command : devices_command)(*json, std::cout, std::cerr); };
   });

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
 #include "host/studies/extremes/extremes.h"
@@ -42,9 +43,10 @@ void add_extremes_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ExtremesRequest>();
   CLI::App* command = app.add_subcommand("extremes", "test the solvers at the limits of valid scenes, as a table");
   command->group("Verify");
-  command->add_flag("--quick", request->quick, "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
+  add_option(*command, "--quick", request->quick,
+             "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
   add_device_option(*command, request->device);
-  command->add_flag("--quiet", request->quiet, "no progress on stderr");
+  add_option(*command, "--quiet", request->quiet, "no progress on stderr");
   command->callback([=, &action] { action = [=] { return run_extremes(*request); }; });
 }
 

@@ -6,6 +6,7 @@
 #include "fem/pad/side_kernel.h"
 #include "fem/stress_field.h"
 #include "host/answers/rung_for_many.h"
+#include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/pad_rung.h"
 #include "host/scenes/end_tactels.h"
@@ -306,15 +307,16 @@ void add_generate_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<GenerateRequest>();
   CLI::App* command = app.add_subcommand("generate", "simulate a set of many contacts, as HDF5");
   command->group("Simulate");
-  command->add_option("sweep", request->sweep, "sweep file (TOML; mm, MPa)")->type_name("SWEEP.toml")->required();
-  command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
-  auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");
-  command->add_flag("--resume", request->resume, "resume an interrupted run")->excludes(force);
-  command->add_option("--columns", request->columns, "datasets of the set; all by default (docs/sets.md)")
-      ->type_name("NAME,NAME,...");
-  command->add_flag("--compress", request->compress, "compress the set with gzip: smaller, slower");
-  command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")
-      ->type_name("NAME|INDEX");
+  add_option(*command, "sweep", request->sweep, "sweep file (TOML; mm, MPa)", {.type = "SWEEP.toml"})->required();
+  add_option(*command, "--output", request->output, "the set to write", {.type = "SET.h5"})->required();
+  add_option(*command, "--force", request->force, "overwrite an existing file, discard an interrupted run");
+  add_option(*command, "--resume", request->resume, "resume an interrupted run")->excludes("--force");
+  add_option(*command, "--columns", request->columns, "datasets of the set; all by default (docs/sets.md)",
+             {.type = "NAME,NAME,..."});
+  add_option(*command, "--compress", request->compress, "compress the set with gzip: smaller, slower");
+  add_option(*command, "--also-device", request->devices, "one more device to share the work (repeatable)",
+             {.type = "NAME|INDEX"})
+      ->allow_extra_args();
   add_shared_options(*command, request->shared, "fp32, or the rung's with --rung or --accuracy");
   command->callback([request, &action] { action = [request] { return run_generate(*request); }; });
 }

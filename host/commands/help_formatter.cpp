@@ -65,39 +65,30 @@ std::string type_in_words(const std::string& type) {
 struct OptionGroup {
   std::string_view name, options;
 };
-/// Where the help of every command lists an option: groups and options that are used most come first. An option that
-/// means something else in one command names its group itself.
+/// Where the help of every command lists an option: groups and options that are used most come first. An option of a
+/// table names its group and its place there, "Learning:7"; one that means something else in one command its group.
 constexpr std::array<OptionGroup, 8> option_groups = {{
-    {"Input",
-     "--source --profile --calibration --seconds --late --drift --stream --rows --block --noise "
-     "--target --magnitude --scenes --seed --pads --quick "},
+    {"Input", "--source --profile --calibration --seconds --late --drift --scenes --seed --pads --quick "},
     {"Output",
      "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --serve-host --stresses "
-     "--every --frames "
-     "--columns "
-     "--compress --recall "
-     "--resume --force --checkpoint-seconds "},
-    {"Network",
-     "--network --history --history-change --friction --friction-spread --friction-drift --scaling --features "
-     "--largest-stress --activation --bound --bound-set "
-     "--level "},
-    {"Learning",
-     "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --warm-up --momentum "
-     "--loss --average --validation --patience "
-     "--stop-error --order "},
-    {"Alarm",
-     "--alarm --alarm-at --signal --rest --decision --decision-csv --touch --hold --slide --unlike --widest --rate "},
+     "--every --frames --columns --compress --recall --resume --force --checkpoint-seconds "},
+    {"Network", "--network --friction --friction-spread --friction-drift --level "},
+    {"Learning", "--cycles --seeds --noise-cycles "},
+    {"Alarm", "--alarm --signal --rest --decision --decision-csv --touch --hold --slide --unlike --widest --rate "},
     {"Accuracy", "--accuracy --rung --converge --tolerance "},
     {"Device", "--device --also-device --precision --solver --sensors "},
     {"Other", "--quiet --help --version "},
 }};
 
 std::size_t place_in(const OptionGroup& group, const CLI::Option* option) {
+  const std::string& named = option->get_group();
+  if (const auto colon = named.find(':'); colon != std::string::npos) return std::stoul(named.substr(colon + 1));
   return group.options.find(option->get_name() + " ");
 }
 
 std::string_view group_of(const CLI::Option* option) {
-  if (option->get_group() != "Options") return option->get_group();
+  const std::string_view named = option->get_group();
+  if (named != "Options") return named.substr(0, named.find(':'));
   if (option->get_positional()) return "Input";
   const auto* found = std::ranges::find_if(
       option_groups, [&](const auto& group) { return place_in(group, option) != std::string_view::npos; });

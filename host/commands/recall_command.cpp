@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/commands/add_option.h"
 #include "host/commands/recall_recording.h"
 #include "host/commands/shared_options.h"
 #include "host/support/durable_file.h"
@@ -205,53 +206,40 @@ void add_recall_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<RecallRequest>();
   CLI::App* command = app.add_subcommand("recall", "report the errors of trained networks on a set");
   command->group("Learn");
-  command->add_option("networks", request->networks, "directory of tactel train, or one network (*.onnx)")
-      ->type_name("DIR|FILE.onnx")
+  add_option(*command, "networks", request->networks, "directory of tactel train, or one network (*.onnx)",
+             {.type = "DIR|FILE.onnx"})
       ->required();
-  command
-      ->add_option("set", request->set,
-                   "set to judge by (HDF5), see tactel generate; or a recording, whose frames have no true S")
-      ->type_name("SET.h5|RECORDING")
+  add_option(*command, "set", request->set,
+             "set to judge by (HDF5), see tactel generate; or a recording, whose frames have no true S",
+             {.type = "SET.h5|RECORDING"})
       ->required();
-  command->add_option("--json", request->json, "write all errors as JSON; - for standard output, instead of the tables")
-      ->type_name("FILE");
-  command->add_option("--rows", request->rows, "write S of the set and of every network, row by row, as CSV")
-      ->type_name("FILE.csv")
+  add_option(*command, "--json", request->json,
+             "write all errors as JSON; - for standard output, instead of the tables", {.type = "FILE"});
+  add_option(*command, "--rows", request->rows, "write S of the set and of every network, row by row, as CSV",
+             {.type = "FILE.csv"})
       ->group("Output");
-  command
-      ->add_option("--html", request->html,
-                   "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S")
-      ->type_name("FILE.html");
-  command->add_flag("--decision", request->decision,
-                    "judge alarms on drags until sliding: detection, false alarms and lead over thresholds");
-  command
-      ->add_option("--decision-csv", request->decision_csv,
-                   "write the curves of --decision as CSV: a line a threshold, by signal and indenter")
-      ->type_name("FILE.csv");
-  command
-      ->add_option("--rate", request->alarms.rate,
-                   "with --decision: frames a second, for the false alarms a minute, 1/s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--touch", request->alarms.touch,
-                   "with --decision: a frame whose normal stresses all stay below this is no contact and ends an "
-                   "alarm, MPa")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--widest", request->alarms.widest,
-                   "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit "
-                   "(default: none)")
+  add_option(*command, "--html", request->html,
+             "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S",
+             {.type = "FILE.html"});
+  add_option(*command, "--decision", request->decision,
+             "judge alarms on drags until sliding: detection, false alarms and lead over thresholds");
+  add_option(*command, "--decision-csv", request->decision_csv,
+             "write the curves of --decision as CSV: a line a threshold, by signal and indenter", {.type = "FILE.csv"});
+  add_option(*command, "--rate", request->alarms.rate,
+             "with --decision: frames a second, for the false alarms a minute, 1/s", {.positive = true});
+  add_option(*command, "--touch", request->alarms.touch,
+             "with --decision: a frame whose normal stresses all stay below this is no contact and ends an alarm, MPa")
       ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option("--friction-spread", request->spread,
-                   "tell networks of train --friction the mu of each row within this relative standard deviation "
-                   "(default: they are told nothing)")
-      ->type_name("FLOAT")
-      ->check(CLI::Range(0.0, 1e3));
+  add_option(
+      *command, "--widest", request->alarms.widest,
+      "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit (default: none)")
+      ->check(CLI::NonNegativeNumber);
+  add_option(*command, "--friction-spread", request->spread,
+             "tell networks of train --friction the mu of each row within this relative standard deviation (default: "
+             "they are told nothing)",
+             {.type = "FLOAT", .most = 1e3});
   command->add_flag("--no-floor")->description("without effect, kept for scripts: no floor is printed");
-  add_network_options(*command, request->shared);
+  add_network_options(*command, request->shared.device, request->shared.precision, request->shared.quiet);
   command->callback([command, request, &action] {
     action = [command, request] {
       for (const char* option : {"--rate", "--touch", "--widest"})

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "host/networks/network_options.h"
+#include "host/commands/shared_options.h"
 #include "host/training/named_network.h"
 
 namespace tactel::host {

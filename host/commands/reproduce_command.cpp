@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
@@ -177,21 +178,17 @@ void add_reproduce_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "reproduce", "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON");
   command->group("Verify");
-  command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
+  add_option(*command, "--output", request->output, "directory of the report", {.type = "DIR"});
   add_device_option(*command, request->device);
-  command
-      ->add_option("--seeds", request->seeds,
-                   "number of initial weights of each network of Table II; 100 give the full statistics")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--cycles", request->cycles, "learning cycles, fewer for a quick look; 0: as many as the paper")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
-  command->add_option("--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
-  command->add_flag("--force", request->force, "train anew, and discard an interrupted training in DIR");
-  command->add_flag("--quiet", request->quiet, "print only errors");
+  add_option(*command, "--seeds", request->seeds,
+             "number of initial weights of each network of Table II; 100 give the full statistics",
+             {.least = 1, .most = 100000});
+  add_option(*command, "--cycles", request->cycles, "learning cycles, fewer for a quick look; 0: as many as the paper",
+             {.most = 1000000});
+  add_option(*command, "--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper",
+             {.most = 1000000});
+  add_option(*command, "--force", request->force, "train anew, and discard an interrupted training in DIR");
+  add_option(*command, "--quiet", request->quiet, "print only errors");
   command->callback([request, &action] { action = [request] { return run_reproduce(*request); }; });
 }
 

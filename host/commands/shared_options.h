@@ -2,7 +2,6 @@
 #pragma once
 #include "host/answers/solve.h"
 #include "host/commands/command.h"
-#include "host/networks/network_options.h"
 
 namespace tactel::host {
 
@@ -15,7 +14,12 @@ struct SharedOptions {
 void add_shared_options(CLI::App& command, SharedOptions& options,
                         const char* precision = "fp64, or fp32 on a device without it");
 
-void add_network_options(CLI::App& command, NetworkOptions& options);
+/// Options of the commands that use networks.
+struct NetworkOptions {
+  std::string device, precision = "fp32";
+  bool quiet = false;
+};
+void add_network_options(CLI::App& command, std::string& device, std::string& precision, bool& quiet);
 
 void add_device_option(CLI::App& command, std::string& device);
 

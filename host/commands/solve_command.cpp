@@ -12,6 +12,7 @@
 #include "host/answers/convergence.h"
 #include "host/answers/derivatives.h"
 #include "host/answers/warnings.h"
+#include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/pad_figure.h"
@@ -179,36 +180,27 @@ void add_solve_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<SolveRequest>();
   CLI::App* command = app.add_subcommand("solve", "solve one contact: a line per load step, or the whole answer");
   command->group("Simulate");
-  command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")
-      ->type_name("SCENE.toml")
+  add_option(*command, "scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)", {.type = "SCENE.toml"})
       ->required();
-  command
-      ->add_option("--json", request->json,
-                   "write the whole answer as JSON; - for standard output, instead of the table")
-      ->type_name("FILE");
-  command
-      ->add_option(
-          "--plot", request->plot,
-          "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm); of a pad from above")
-      ->type_name("FILE.svg|png|pdf");
-  command
-      ->add_option("--field", request->field,
-                   "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad in .vts, in .vtu the "
-                   "cells of its surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip")
-      ->type_name("FILE.vtu|vts");
-  command
-      ->add_option("--html", request->html,
-                   "write a page: the contact over its load steps, with rubber, tractions, stress and tactels")
-      ->type_name("FILE.html");
-  command
-      ->add_option(
-          "--step", request->step,
-          "load step of --plot and --field, from 1 (default: the last), the first of --html, that of --converge")
-      ->type_name("K");
-  command->add_flag("--derivatives", request->derivatives,
-                    "add the derivatives of forces, S and stresses by the scene's numbers to --json");
-  command->add_flag("--converge", request->converge,
-                    "solve also on ever smaller cells: order, limit and its uncertainty, error of this answer");
+  add_option(*command, "--json", request->json,
+             "write the whole answer as JSON; - for standard output, instead of the table", {.type = "FILE"});
+  add_option(*command, "--plot", request->plot,
+             "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm); of a pad from above",
+             {.type = "FILE.svg|png|pdf"});
+  add_option(*command, "--field", request->field,
+             "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad in .vts, in .vtu the cells "
+             "of its surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip",
+             {.type = "FILE.vtu|vts"});
+  add_option(*command, "--html", request->html,
+             "write a page: the contact over its load steps, with rubber, tractions, stress and tactels",
+             {.type = "FILE.html"});
+  add_option(*command, "--step", request->step,
+             "load step of --plot and --field, from 1 (default: the last), the first of --html, that of --converge",
+             {.type = "K"});
+  add_option(*command, "--derivatives", request->derivatives,
+             "add the derivatives of forces, S and stresses by the scene's numbers to --json");
+  add_option(*command, "--converge", request->converge,
+             "solve also on ever smaller cells: order, limit and its uncertainty, error of this answer");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
 }

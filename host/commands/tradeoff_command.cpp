@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
 #include "host/studies/tradeoff/tradeoff_report.h"
@@ -53,17 +54,14 @@ void add_tradeoff_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TradeoffRequest>();
   CLI::App* command = app.add_subcommand("tradeoff", "measure error against speed over the ladder of models");
   command->group("Verify");
-  command->add_option("--output", request->output, "directory of report, JSON and plot")
-      ->type_name("DIR")
-      ->capture_default_str();
-  command
-      ->add_option("--scenes", request->scenes,
-                   "contacts of the mix, of which meshes take a third (default: 288, of pads 24)")
-      ->check(CLI::Range(8, 100000));
-  command->add_option("--seed", request->options.seed, "seed of the mix")->capture_default_str();
-  command->add_flag("--pads", request->pads, "rungs of pads in place of lines: some ten seconds a contact and core");
+  add_option(*command, "--output", request->output, "directory of report, JSON and plot", {.type = "DIR"});
+  add_option(*command, "--scenes", request->scenes,
+             "contacts of the mix, of which meshes take a third (default: 288, of pads 24)",
+             {.least = 8, .most = 100000});
+  add_option(*command, "--seed", request->options.seed, "seed of the mix");
+  add_option(*command, "--pads", request->pads, "rungs of pads in place of lines: some ten seconds a contact and core");
   add_device_option(*command, request->device);
-  command->add_flag("--quiet", request->quiet, "no progress on stderr");
+  add_option(*command, "--quiet", request->quiet, "no progress on stderr");
   command->callback([request, &action] { action = [request] { return run_tradeoff(*request); }; });
 }
 

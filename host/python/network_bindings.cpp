@@ -9,7 +9,8 @@
 #include <utility>
 #include <variant>
 
-#include "host/python/bindings.h"
+#include "host/python/words.h"
+#include "host/training/train_options.h"
 
 namespace tactel::python {
 namespace {
@@ -224,6 +225,15 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
                                        std::move(name), std::move(target)});
 }
 
+/// The options of a training that are among these words.
+TrainOptions train_options_of(const py::dict& words) {
+  TrainOptions options;
+  host::each_option(host::train_options, [&]<class Owner, class M>(const host::Option<Owner, M>& option) {
+    if constexpr (std::is_same_v<Owner, TrainOptions>) take(words, option.key(), options.*option.member);
+  });
+  return options;
+}
+
 }  // namespace
 
 void bind_networks(py::module_& m) {
@@ -401,39 +411,12 @@ void bind_networks(py::module_& m) {
         "Returns the OpenCL devices; where there is none an empty list.");
   m.def(
       "_train",
-      [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
-         std::vector<double> noises, std::string scaling, std::string features, std::string schedule,
-         std::string optimizer, std::string loss, std::optional<int> cycles, std::optional<int> batch,
-         std::optional<double> rate, std::optional<double> warm_up, std::optional<double> average,
-         const Set* validation, std::optional<int> patience, bool bound, std::optional<double> level,
-         std::string history, std::optional<double> history_change, std::string target, bool friction,
-         std::string device, py::object progress) {
-        TrainOptions options;
-        options.networks = std::move(networks);
-        options.seeds = seeds;
-        options.first_seed = first_seed;
-        options.noises = std::move(noises);
-        options.scaling = std::move(scaling);
-        options.features = std::move(features);
-        options.schedule = std::move(schedule);
-        options.optimizer = std::move(optimizer);
-        options.loss = std::move(loss);
-        options.cycles = cycles;
-        options.batch = batch;
-        options.rate = rate;
-        options.warm_up = warm_up, options.average = average;
-        options.validation = validation, options.patience = patience;
-        options.bound = bound;
-        options.level = level;
-        options.history = std::move(history);
-        options.history_change = history_change;
-        options.target = std::move(target), options.friction = friction;
-        options.device = std::move(device);
+      [](const Set& set, const Set* validation, std::string device, const py::dict& words, py::object progress) {
+        TrainOptions options = train_options_of(words);
+        options.validation = validation, options.device = std::move(device);
         return Computation(std::move(progress)).run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
-      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "features"_a, "schedule"_a,
-      "optimizer"_a, "loss"_a, "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a,
-      "bound"_a, "level"_a, "history"_a, "history_change"_a, "target"_a, "friction"_a, "device"_a, "progress"_a);
+      "set"_a, "validation"_a, "device"_a, "words"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -4,21 +4,12 @@
 #include <utility>
 
 #include "host/python/path_arrays.h"
+#include "host/python/words.h"
 
 namespace tactel::python {
 namespace {
 
 using namespace pybind11::literals;
-
-SolveOptions solve_options_of(std::optional<double> accuracy, std::string rung, std::string precision,
-                              std::string device) {
-  SolveOptions options;
-  options.accuracy = accuracy;
-  options.rung = std::move(rung);
-  options.precision = std::move(precision);
-  options.device = std::move(device);
-  return options;
-}
 
 /// Both stresses of the tactels.
 struct Tactels {
@@ -177,11 +168,9 @@ void bind_solve_of(py::module_& m, const char* doc) {
       [](Typed<const AnyScene*, scene_type> scene, std::optional<double> accuracy, std::string rung,
          Typed<std::string, solvers> solver, Precision precision, std::string device, std::optional<double> tolerance,
          bool estimate_error, Typed<bool, derivatives_type> derivatives) {
-        SolveOptions options = solve_options_of(accuracy, std::move(rung), precision, std::move(device));
-        options.solver = solver;
-        options.tolerance = tolerance;
-        options.estimate_error = estimate_error;
-        options.derivatives = derivatives;
+        SolveOptions options{.accuracy = accuracy, .rung = std::move(rung), .solver = solver, .precision = precision};
+        options.device = std::move(device), options.tolerance = tolerance;
+        options.estimate_error = estimate_error, options.derivatives = derivatives;
         return Typed<std::variant<Path, PadPath>, answer>{without_lock([&] {
           return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); },
                             scene.value->of);
@@ -228,17 +217,15 @@ void bind_solve(py::module_& m) {
   bind_solve_of<"Scene", "str", "bool", "Any">(m, "");
   m.def(
       "_solve_many",
-      [](const std::vector<const AnyScene*>& scenes, std::optional<double> accuracy, std::string rung,
-         std::string precision, std::string device, py::object progress) {
-        const SolveOptions options =
-            solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
+      [](const std::vector<const AnyScene*>& scenes, const py::dict& words, py::object progress) {
+        const auto options = options_of<SolveOptions>(words);
         return Computation(std::move(progress)).run([&](const ProgressFunction& p) -> std::variant<Paths, PadPaths> {
           if (!scenes.empty() && std::holds_alternative<PadScene>(scenes.front()->of))
             return solve_many(copies_of<PadScene>(scenes), options, p);
           return solve_many(copies_of<Scene>(scenes), options, p);
         });
       },
-      "scenes"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a);
+      "scenes"_a, "words"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -5,22 +5,12 @@
 #include <utility>
 #include <variant>
 
-#include "host/python/bindings.h"
+#include "host/python/words.h"
 
 namespace tactel::python {
 namespace {
 
 using namespace pybind11::literals;
-
-SweepOptions sweep_options_of(std::optional<double> accuracy, std::string rung, std::string precision,
-                              std::string device, std::optional<double> tolerance, bool transducer) {
-  return {.accuracy = accuracy,
-          .rung = std::move(rung),
-          .precision = std::move(precision),
-          .device = std::move(device),
-          .tolerance = tolerance,
-          .transducer = transducer};
-}
 
 /// Frames and S of a set from arrays; what the set's other columns would hold is unknown, 0.
 Set set_of(const py::array_t<float, py::array::c_style | py::array::forcecast>& frames,
@@ -226,27 +216,22 @@ void bind_sweeps(py::module_& m) {
           "k"_a, "Returns contact k as a Scene.")
       .def(
           "_generate",
-          [](const Sweep& sweep, std::optional<std::uint64_t> contacts, std::optional<double> accuracy,
-             std::string rung, std::string precision, std::string device, py::object progress) {
-            const SweepOptions options =
-                sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device), {}, true);
+          [](const Sweep& sweep, std::optional<std::uint64_t> contacts, const py::dict& words, py::object progress) {
+            const auto options = options_of<SweepOptions>(words);
             return Computation(std::move(progress)).run([&](const ProgressFunction& p) {
               return std::make_unique<Set>(sweep.generate(contacts, options, p));
             });
           },
-          "contacts"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a)
+          "contacts"_a, "words"_a, "progress"_a)
       .def(
           "_batches",
-          [](const Sweep& sweep, std::uint64_t contacts, std::uint64_t first, bool whole,
-             std::optional<double> accuracy, std::string rung, std::string precision, std::string device,
-             std::optional<double> tolerance, bool transducer) {
-            return std::make_unique<Batches>(sweep, contacts,
-                                             sweep_options_of(accuracy, std::move(rung), std::move(precision),
-                                                              std::move(device), tolerance, transducer),
-                                             first, whole);
+          [](const Sweep& sweep, std::uint64_t contacts, std::uint64_t first, bool whole, const py::dict& words,
+             bool transducer) {
+            auto options = options_of<SweepOptions>(words);
+            options.transducer = transducer;
+            return std::make_unique<Batches>(sweep, contacts, options, first, whole);
           },
-          "contacts"_a, "first"_a, "whole"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a,
-          "tolerance"_a = py::none(), "transducer"_a = true);
+          "contacts"_a, "first"_a, "whole"_a, "words"_a, "transducer"_a = true);
 }
 
 }  // namespace tactel::python

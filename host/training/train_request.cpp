@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <map>
 #include <set>
 
 #include "host/support/errors.h"
@@ -17,14 +16,12 @@ constexpr int default_epochs = 1000;
 
 /// What the library calls by a name of its own, as the user wrote it.
 [[noreturn]] void blame_option(const ValueError& error) {
-  static const std::map<std::string, std::string> options = {
-      {"training.rate", "--learning-rate"},    {"training.momentum", "--momentum"},
-      {"training.stop_error", "--stop-error"}, {"training.cycle_limit", "--cycles"},
-      {"training.batch", "--batch"},           {"training.level", "--level"},
-      {"training.warm_up", "--warm-up"},       {"training.average", "--average"}};
-  const auto found = options.find(error.key);
-  throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
-                    error.allowed);
+  const std::string key = error.key.substr(error.key.find('.') + 1);  // "training.rate"
+  std::string flag = "--" + key;
+  each_option(train_options, [&](const auto& option) {
+    if (option.key() == key) flag = option.flag();
+  });
+  throw ConfigError("command line", flag, error.value, error.allowed);
 }
 
 nn::InputHistory history_of(const TrainRequest& request) {
@@ -35,65 +32,69 @@ nn::InputHistory history_of(const TrainRequest& request) {
   return history;
 }
 
+/// The value of an option that was given; empty where it was not.
+std::string given(bool value) { return value ? "given" : ""; }
+std::string given(const std::string& value) { return value; }
+std::string given(const auto& value) { return value ? fmt::format("{}", *value) : ""; }
+
 /// Refuses an option that was given and would not be used.
-template <class Value>
-void refuse(const std::optional<Value>& given, const std::string& option, const std::string& allowed) {
-  if (given) throw ConfigError("command line", option, fmt::format("{}", *given), allowed);
+void refuse(const TrainRequest& request, auto member, const std::string& allowed) {
+  if (const std::string value = given(request.*member); !value.empty())
+    throw ConfigError("command line", flag_of(train_options, member), value, allowed);
 }
 
 void refuse_beside_stream(const TrainRequest& request) {
+  using T = TrainRequest;
   const std::string beside = " with --stream and --block";
-  if (!request.stream.empty()) refuse(request.block, "--block", "left out with --stream");
-  if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, cosine, or left out," + beside);
-  refuse(request.cycles, "--cycles", "left out" + beside + ": --rows sets the end");
-  refuse(request.stop_error, "--stop-error", "left out" + beside + ": a stream has no cycles");
+  if (!request.stream.empty()) refuse(request, &T::block, "left out with --stream");
+  if (request.schedule == "online") refuse(request, &T::schedule, "batch, cosine, or left out," + beside);
+  refuse(request, &T::cycles, "left out" + beside + ": --rows sets the end");
+  refuse(request, &T::stop_error, "left out" + beside + ": a stream has no cycles");
   if (request.noises.size() > 1) throw ConfigError("command line", "--noise", "several levels", "one level" + beside);
 }
 
 void refuse_unused(const TrainRequest& request) {
+  using T = TrainRequest;
   if (request.streams())
     refuse_beside_stream(request);
   else
-    refuse(request.rows, "--rows", "left out, or with --stream or --block");
+    refuse(request, &T::rows, "left out, or with --stream or --block");
   if ((request.bound || request.magnitude) && request.target != "slip_index")
-    throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
-  const bool slides = nn::is_slide(nn::parse_target(request.target));
-  if (request.friction && slides)
-    throw ConfigError("command line", "--friction", "given",
-                      fmt::format("left out with --target {}, which does not depend on mu", request.target));
-  if (!slides) refuse(request.alarm_at, "--alarm-at", "left out, or with --target slid or slip_path");
-  if (request.stream.empty() && !request.rung.empty())
-    throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
-  if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
+    refuse(request, &T::target, "slip_index with --bound and --magnitude");
+  if (!nn::is_slide(nn::parse_target(request.target)))
+    refuse(request, &T::alarm_at, "left out, or with --target slid or slip_path");
+  else
+    refuse(request, &T::friction, "left out with --target " + request.target + ", which does not depend on mu");
+  if (request.stream.empty()) refuse(request, &T::rung, "left out, or with --stream");
+  if (!request.bound) refuse(request, &T::level, "left out, or with --bound");
   if (!request.batches()) {
-    if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
+    refuse(request, &T::bound, "left out, or with --schedule batch");
     if (request.activation != "logistic")
-      refuse(request.activation, "--activation", "logistic, left out, or with --schedule batch");
+      refuse(request, &T::activation, "logistic, left out, or with --schedule batch");
     const std::string allowed = "left out, or with --schedule batch or cosine";
-    refuse(request.optimizer, "--optimizer", allowed);
-    refuse(request.batch, "--batch", allowed);
-    refuse(request.loss, "--loss", allowed);
-    refuse(request.average, "--average", allowed);
-    if (!request.validation_set.empty())
-      throw ConfigError("command line", "--validation", request.validation_set, allowed);
-  } else if (request.optimizer.value_or("adam") == "adam") {
-    refuse(request.momentum, "--momentum", "left out, or with --optimizer delta or --schedule online");
+    refuse(request, &T::optimizer, allowed);
+    refuse(request, &T::batch, allowed);
+    refuse(request, &T::loss, allowed);
+    refuse(request, &T::average, allowed);
+    refuse(request, &T::validation_set, allowed);
+  } else if (request.optimizer.empty() || request.optimizer == "adam") {
+    refuse(request, &T::momentum, "left out, or with --optimizer delta or --schedule online");
   }
-  if (!request.cosine()) refuse(request.warm_up, "--warm-up", "left out, or with --schedule cosine");
-  if (request.bound) refuse(request.loss, "--loss", "left out with --bound: quantiles have the pinball loss");
-  if (request.validation_set.empty()) refuse(request.patience, "--patience", "left out, or with --validation");
+  if (!request.cosine()) refuse(request, &T::warm_up, "left out, or with --schedule cosine");
+  if (request.bound) refuse(request, &T::loss, "left out with --bound: quantiles have the pinball loss");
+  if (request.validation_set.empty()) refuse(request, &T::patience, "left out, or with --validation");
 }
 
 nn::BatchOptions batch_options(const TrainRequest& request) {
   nn::BatchOptions batch;
-  if (request.optimizer) batch.rule = nn::parse_rule(*request.optimizer);
+  if (!request.optimizer.empty()) batch.rule = nn::parse_rule(request.optimizer);
   if (request.batch) batch.batch = *request.batch;
   batch.cosine = request.cosine();
   const double adam = batch.cosine ? 2e-3 : 1e-3;
   batch.rate = request.rate.value_or(batch.rule == nn::BatchRule::adam ? adam : 0.1);
   batch.warm_up = request.warm_up.value_or(batch.warm_up);
   batch.average = request.average.value_or(batch.average);
-  if (request.loss) batch.loss = nn::parse_loss(*request.loss);
+  if (!request.loss.empty()) batch.loss = nn::parse_loss(request.loss);
   if (request.momentum) batch.momentum = *request.momentum;
   batch.level = request.level.value_or(batch.level);
   batch.order = nn::parse_order(request.order);
@@ -115,8 +116,8 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, const nn::I
   std::vector<nn::Topology> topologies;
   for (const std::string& name : names) {
     topologies.push_back(topology_of(name, history));
-    if (request.activation)
-      topologies.back() = topologies.back().with_activation(nn::parse_activation(*request.activation));
+    if (!request.activation.empty())
+      topologies.back() = topologies.back().with_activation(nn::parse_activation(request.activation));
     if (request.bound) topologies.back() = topologies.back().with_bound();
     if (std::ranges::count(topologies, topologies.back()) > 1) throw ValueError("network", name, "named once");
   }
@@ -125,16 +126,16 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, const nn::I
 
 }  // namespace
 
-nn::InputHistory parse_history(const std::optional<std::string>& text, std::optional<double> change) {
+nn::InputHistory parse_history(const std::string& text, std::optional<double> change) {
   nn::InputHistory history;
-  if (text) {
-    const char* at = text->data();
-    const char* const end = at + text->size();
+  if (!text.empty()) {
+    const char* at = text.data();
+    const char* const end = at + text.size();
     std::from_chars_result read = std::from_chars(at, end, history.frames);
     if (read.ec == std::errc{} && read.ptr != end && *read.ptr == ':')
       read = std::from_chars(read.ptr + 1, end, history.stride);
     if (read.ec != std::errc{} || read.ptr != end || !history.valid())
-      throw ConfigError("command line", "--history", *text,
+      throw ConfigError("command line", "--history", text,
                         "frames, or frames:stride: whole numbers, at most 128 frames and a stride of at most 1000");
   }
   if (!change) return history;

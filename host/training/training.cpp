@@ -245,7 +245,7 @@ class Training {
                    {"rows", training_->rows()},
                    {"blocks", training_->blocks()},
                    {"device", executor_.device().info().name},
-                   {"precision", request_.shared.precision},
+                   {"precision", request_.precision},
                    {"processes", ranks_.count()},
                    {"options", options_json(request_, plan_)},
                    {"fingerprint", fingerprint},
@@ -386,7 +386,7 @@ TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const Tra
   if (request.streams() && ranks.count() > 1)
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
-  const Device device(request.shared.device);
+  const Device device(request.device);
   Executor executor{device.for_training()};
   if (watch.log && executor.device().info().index != device.info().index)
     watch.log(LogLevel::warning, fmt::format("networks train on {}: training has no layout for {}",
@@ -394,7 +394,7 @@ TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const Tra
   Lesson lesson = read_lesson(request, plan, device, watch);
   if (ranks.first()) TrainingDirectory(request.output).check(request.resume, request.force);
   ranks.barrier();
-  if (request.shared.precision == "fp64") return Training<double>(request, plan, ranks, lesson, executor, watch).run();
+  if (request.precision == "fp64") return Training<double>(request, plan, ranks, lesson, executor, watch).run();
   return Training<float>(request, plan, ranks, lesson, executor, watch).run();
 } catch (const ValueError& error) {
   throw ConfigError(request.stream.empty() ? request.set : request.stream, error);

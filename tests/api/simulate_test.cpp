@@ -330,7 +330,8 @@ TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   EXPECT_EQ(networks[1].topology(), "42-6-1");
   EXPECT_EQ(networks[1].seed(), 2u);
 
-  const host::TrainRequest request{.networks = options.networks, .noises = {0.1}, .seeds = 2, .cycles = 4};
+  host::TrainRequest request;
+  request.networks = options.networks, request.noises = {0.1}, request.seeds = 2, request.cycles = 4;
   nn::FrameSet frames{nn::RowMatrix<float>(set.rows(), 42), nn::Vector<float>(set.rows()), {}, {}};
   std::ranges::copy(set.frames, frames.frames.data());
   std::ranges::copy(set.slip_index, frames.slip_index.data());

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
 #include "host/live/frame_reader.h"
@@ -130,16 +131,14 @@ void add_record_command(CLI::App& app, Action& action) {
       app.add_subcommand("record", "record the raw bytes of a sensor with their arrival times, for replay");
   command->group("Read a sensor");
   add_sensor_options(*command, *request);
-  command->add_option("--output", request->output, "the recording, for --source replay:FILE")
-      ->type_name("FILE")
+  add_option(*command, "--output", request->output, "the recording, for --source replay:FILE", {.type = "FILE"})
       ->required();
-  command->add_option("--frames", request->frames, "also write the decoded frames as CSV")->type_name("FILE.csv");
-  command->add_flag("--force", request->force, "overwrite --output and --frames where they exist");
-  command
-      ->add_option("--seconds", request->seconds,
-                   "stop after this time, s (default: at the end of the source, or Ctrl-C)")
+  add_option(*command, "--frames", request->frames, "also write the decoded frames as CSV", {.type = "FILE.csv"});
+  add_option(*command, "--force", request->force, "overwrite --output and --frames where they exist");
+  add_option(*command, "--seconds", request->seconds,
+             "stop after this time, s (default: at the end of the source, or Ctrl-C)")
       ->check(positive_number());
-  command->add_flag("--quiet", request->quiet, "no summary and no warnings on stderr");
+  add_option(*command, "--quiet", request->quiet, "no summary and no warnings on stderr");
   command->callback([request, &action] { action = [request] { return run_record(*request); }; });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/commands/add_option.h"
 #include "host/support/terminal.h"
 
 namespace tactel::host {
@@ -39,26 +40,18 @@ const CLI::Validator& not_negative_number() {
 }
 
 void add_sensor_options(CLI::App& command, SensorRequest& request) {
-  command
-      .add_option("--source", request.source,
-                  "usb:glove, usb:VID:PID, 'usb:...?serial=NUMBER', serial:/dev/ttyACM0, csv:FILE, csv:- (standard "
-                  "input), replay:FILE or "
-                  "'simulate:SCENE.toml?rate=100' "
-                  "(docs/sensors.md)")
-      ->type_name("SOURCE")
+  add_option(command, "--source", request.source,
+             "usb:glove, usb:VID:PID, 'usb:...?serial=NUMBER', serial:/dev/ttyACM0, csv:FILE, csv:- (standard input), "
+             "replay:FILE or 'simulate:SCENE.toml?rate=100' (docs/sensors.md)",
+             {.type = "SOURCE"})
       ->required();
-  command
-      .add_option(
-          "--profile", request.profiles,
-          "profile of the device: a file of wire format and channels, uskin-4x4 or uskin-4x6; repeatable, one for "
-          "each pad in a line of csv:")
-      ->type_name("FILE.toml")
-      ->allow_extra_args(false);
-  command
-      .add_option("--calibration", request.calibrations,
-                  "offsets and gains instead of the profile's, see tactel tare; once, or for each --profile")
-      ->type_name("FILE.toml")
-      ->allow_extra_args(false);
+  add_option(command, "--profile", request.profiles,
+             "profile of the device: a file of wire format and channels, uskin-4x4 or uskin-4x6; repeatable, one for "
+             "each pad in a line of csv:",
+             {.type = "FILE.toml"});
+  add_option(command, "--calibration", request.calibrations,
+             "offsets and gains instead of the profile's, see tactel tare; once, or for each --profile",
+             {.type = "FILE.toml"});
 }
 
 OpenSource open_for(const SensorRequest& request) {

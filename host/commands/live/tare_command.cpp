@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
 #include "host/live/frame_reader.h"
@@ -228,30 +229,23 @@ void add_tare_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest");
   command->group("Read a sensor");
   add_sensor_options(*command, *request);
-  command->add_option("--output", request->output, "file of offsets and noise, for --calibration")
-      ->type_name("FILE.toml")
+  add_option(*command, "--output", request->output, "file of offsets and noise, for --calibration",
+             {.type = "FILE.toml"})
       ->required();
-  command->add_option("--seconds", request->seconds, "time to listen, s")
-      ->check(positive_number())
-      ->capture_default_str();
-  command
-      ->add_option("--hold", request->holds,
-                   "recording of grips that hold, moved as in use, from which the alarm of monitor --rest learns how "
-                   "the hand trembles; 1.2 times its largest \"moved\" is the threshold of monitor --signal moved; of "
-                   "tactel record, or csv:FILE; repeatable")
-      ->type_name("RECORDING")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--slide", request->slides,
-                   "recording in which the held object slides: lines of monitor --rest say how near they are to it, "
-                   "\"index\"; repeatable")
-      ->type_name("RECORDING")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--network", request->network,
-                   "with --hold: 1.2 times the largest answer of this network of slid is its threshold, too")
-      ->type_name("FILE.onnx");
-  command->add_flag("--force", request->force, "write the file even if the sensor moved");
+  add_option(*command, "--seconds", request->seconds, "time to listen, s")->check(positive_number());
+  add_option(*command, "--hold", request->holds,
+             "recording of grips that hold, moved as in use, from which the alarm of monitor --rest learns how the "
+             "hand trembles; 1.2 times its largest \"moved\" is the threshold of monitor --signal moved; of tactel "
+             "record, or csv:FILE; repeatable",
+             {.type = "RECORDING"});
+  add_option(*command, "--slide", request->slides,
+             "recording in which the held object slides: lines of monitor --rest say how near they are to it, "
+             "\"index\"; repeatable",
+             {.type = "RECORDING"});
+  add_option(*command, "--network", request->network,
+             "with --hold: 1.2 times the largest answer of this network of slid is its threshold, too",
+             {.type = "FILE.onnx"});
+  add_option(*command, "--force", request->force, "write the file even if the sensor moved");
   command->callback([request, &action] { action = [request] { return run_tare(*request); }; });
 }
 

@@ -199,11 +199,12 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
     steps, axes tactels]; the name of another array that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
     index, HardwareError.
     """
+    words = locals()
     arrays = [name for name in dict.fromkeys(dir(Paths) + dir(PadPaths)) if not name.startswith("_")]
     if keep is not None and keep not in arrays:
         raise _calls.unknown("solve_many: keep", keep, arrays, "array")
     with _Progress(progress, "scenes", "scenes") as told:
-        paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, told)
+        paths = _tactel._solve_many(list(scenes), words, told)
     return paths if keep is None else paths.frames if keep == "tactels" else getattr(paths, keep)
 
 
@@ -226,8 +227,9 @@ class Sweep(_tactel.Sweep):
     def generate(self, contacts: int | None = None, *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
                  device: str = "", progress: Shown = None) -> Set:
         """Returns the rows of the first contacts (None: those of the file) as a Set, the same as those of `tactel generate`."""
+        words = locals()
         with _Progress(progress, "contacts", "contacts") as told:
-            return self._generate(contacts, accuracy, rung, precision, device, told)
+            return self._generate(contacts, words, told)
 
     @_typing.overload
     def batches(self, contacts: int = 8192, *, seed: int | None = None, first: int | None = None, sets: Literal[False] = False,
@@ -242,12 +244,13 @@ class Sweep(_tactel.Sweep):
         frames: [rows, 2 tactels] MPa, fp32; slip_index: [rows]. In one of several processes, as the workers of a DataLoader,
         seed or first must be given: all would draw the same contacts.
         """
+        words = locals()
         if seed is None and first is None and self._shared():
             raise _calls.input_error("Sweep.batches", "this process is one of several, and each would draw the same contacts",
                                      "give each a seed or a first contact, or take one process: the device has threads")
         first = first or 0
         sweep = self if seed is None else Sweep(self.path, seed, **self._sensor)
-        return sweep._batches(contacts, first, sets, accuracy, rung, precision, device)
+        return sweep._batches(contacts, first, sets, words)
 
     def _shared(self):
         """Whether other processes may hold this sweep, too: it came by a fork, or a DataLoader of PyTorch has several workers."""
@@ -296,11 +299,9 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
     target: the column to learn. friction: networks take mu as far as it is known, Alarm.friction. A network that diverges has no
     entry.
     """
-    noises = [noise] if isinstance(noise, (int, float)) else list(noise)
+    words = locals() | {"network": _widths(layers), "noise": [noise] if isinstance(noise, (int, float)) else list(noise), "history": str(history)}
     with _Progress(progress, "training", "weight updates") as told:
-        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, features, schedule, optimizer, loss, cycles,
-                              batch, rate, warm_up, average, validation, patience, bound, level, str(history),
-                              history_change, target, friction, device, told)
+        return _tactel._train(data, validation, device, words, told)
 
 
 _calls.check(globals(), __all__)

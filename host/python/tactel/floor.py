@@ -371,7 +371,7 @@ def measure(sweep, options=Options(), networks=None, device="", progress=None, r
         raise input_error(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
 
     def simulate(quantiles):
-        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, rung, "", device, None, False)), options)
+        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, {"rung": rung, "device": device}, False)), options)
     families = {name: names or sweep.indenter_names for name, names in (FAMILIES if sweep.axes == 2 else PAD_FAMILIES).items()}
     steady = np.array(sweep._numbers())
     active = _active(simulate, len(steady), np.random.default_rng(options.seed))

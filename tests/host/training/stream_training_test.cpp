@@ -142,7 +142,8 @@ class StreamTraining : public Stream {
 
 // Stopped after any of its blocks of 8192 contacts: the report is that of one run.
 TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
-  const TrainRequest request{.stream = sweep_, .rows = 250'000, .networks = {"42-5-1"}};
+  TrainRequest request;
+  request.stream = sweep_, request.rows = 250'000, request.networks = {"42-5-1"};
   const auto run = [&](const std::string& output, int blocks) {
     return train_blocks(request, folder_ / output, blocks);
   };
@@ -298,7 +299,8 @@ TEST_F(TrainingSources, StreamAndBlockExclude) {
 // everything but the time it took.
 TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
   for (const bool judged : {false, true}) {
-    TrainRequest request{.set = PaperSetFiles::learning(), .block = 50, .rows = 1500};
+    TrainRequest request;
+    request.set = PaperSetFiles::learning(), request.block = 50, request.rows = 1500;
     if (judged) {
       request.recall_set = PaperSetFiles::recall();
       request.schedule = "cosine", request.average = 0.9, request.loss = "absolute", request.batch = 16;
