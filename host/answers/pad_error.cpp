@@ -94,7 +94,7 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
       all.push_back(fmt::format("{} {:.3g} (measured {:g} to {:g})", what, value, in.left, in.right));
   };
   check("sensor.poisson", scene.sensor.poisson, measured.poisson);
-  check("depth over thickness", depth / scene.sensor.thickness, measured.depth);
+  check("depth over thickness", rubber_depth(scene, depth) / scene.sensor.thickness, measured.depth);
   if (scene.friction > 0) check("friction", scene.friction, measured.friction);
   return all;
 }
@@ -110,22 +110,31 @@ double deepest(const fem::PadSolution& solution) {
   return depth;
 }
 
+double rubber_depth(const fem::PadScene& scene, double depth) {
+  const double nu = scene.sensor.poisson;
+  return depth / (1 + fem::soft_object(scene.sensor, scene.indenter).normal() / (1 - nu * nu));
+}
+
 bool has_flat_face(const fem::PadScene& scene) {
   const fem::PadEdge edge = pad_edge(scene.indenter.shape);
   return edge != fem::PadEdge::none && edge != fem::PadEdge::ends;
 }
 
 double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const double H = scene.sensor.thickness, strain = deepest(solution) / H;
+  const double H = scene.sensor.thickness, strain = rubber_depth(scene, deepest(solution)) / H;
   if (has_flat_face(scene)) return 1.6 * strain;
   return solution.cells.half_size() > 1.5 * H ? std::max(0.013, 0.5 * strain) : 0.013;
+}
+
+double curvature_error(const fem::PadSensor& sensor) {
+  return sensor.curvature_radius ? 0.7 * sensor.thickness / *sensor.curvature_radius : 0;
 }
 
 void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSolution& solution) {
   AnswerError& e = error.expected;
   if (bears_no_drag(scene, solution)) e.Q = e.M = 0;  // relative to them, rounding would be any number
   if (by_force(scene)) return;
-  error.strain = strain_error(scene, solution);
+  error.strain = strain_error(scene, solution) + curvature_error(scene.sensor);
   e.P += error.strain, e.sigma += error.strain;
 }
 
@@ -171,7 +180,7 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .side_bricks = fem::SideBricks::finer,
                                 .whole_path = false,
                                 .between_sweeps = StopScope::checker()};
-  const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(scene_);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }
 

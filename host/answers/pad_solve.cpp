@@ -45,7 +45,7 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   outcome.precision = "fp64", outcome.device = "host";
-  const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(outcome.scene);
   if (outcome.rung.exact) {
     outcome.solver = "reference";
     fem::PadOptions reference = fem::pad_reference_options();
