@@ -68,10 +68,9 @@ Eigen::Array<double, 5, 1> half_space_of(double hx, double hy, double x, double 
 /// Of an object by [F].
 CellInfluence influence_of(const SoftObject& object, const Eigen::Array<double, 5, 1>& half_space) {
   const double nu = object.poisson, c = object.softness * (1 + nu) / pi;
-  const double Ixx = half_space[0], Iyy = half_space[1];
-  return {.zz = c * (1 - nu) * (Ixx + Iyy),
-          .xx = c * (Ixx + (1 - nu) * Iyy),
-          .yy = c * ((1 - nu) * Ixx + Iyy),
+  return {.zz = c * (1 - nu) * (half_space[0] + half_space[1]),
+          .xx = c * (half_space[0] + (1 - nu) * half_space[1]),
+          .yy = c * ((1 - nu) * half_space[0] + half_space[1]),
           .xy = c * nu * half_space[2],
           .xz = -c / 2 * (1 - 2 * nu) * half_space[3],
           .yz = -c / 2 * (1 - 2 * nu) * half_space[4]};

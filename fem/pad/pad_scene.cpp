@@ -12,8 +12,6 @@
 namespace tactel::fem {
 namespace {
 
-constexpr double least_curvature_radius = 5;  ///< H
-
 void check(bool good, const std::string& key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
 }
@@ -50,7 +48,7 @@ void validate(const PadSensor& sensor) {
   const bool free = sensor.sides == Sides::free && sensor.length && sensor.width;
   if (const auto radius = sensor.curvature_radius) {
     check_length("sensor.curvature_radius", *radius);
-    check(*radius >= least_curvature_radius * sensor.thickness, "sensor.curvature_radius", *radius,
+    check(*radius >= 5 * sensor.thickness, "sensor.curvature_radius", *radius,
           "5 thicknesses or more: a flat layer, which stands for the curved one, is off by a seventh there");
     check(!free, "sensor.curvature_radius", *radius, "left out where sides are free; or sensor.sides = \"held\"");
   }

@@ -328,10 +328,8 @@ double least_height(const PadIndenter& indenter) {
 }  // namespace
 
 PadIndenter over_skin(PadIndenter indenter, const PadSensor& sensor) {
-  indenter.curvature = indenter.touch = 0;
-  if (!sensor.curvature_radius) return indenter;
-  indenter.curvature = 1 / *sensor.curvature_radius;
-  indenter.touch = least_height(indenter);
+  indenter.curvature = sensor.curvature_radius ? 1 / *sensor.curvature_radius : 0, indenter.touch = 0;
+  if (indenter.curvature > 0) indenter.touch = least_height(indenter);
   return indenter;
 }
 
@@ -377,8 +375,7 @@ PadBox rigid_section(const PadIndenter& indenter, double depth) {
   PadBox box = with_geometry(indenter.shape,
                              [&](auto geometry, const auto& shape) { return geometry.section(shape, deep, slope); });
   if (indenter.curvature == 0) return box;
-  // Where the skin has fallen by less, about the pad's middle.
-  const double half = std::sqrt(2 * deep / indenter.curvature);
+  const double half = std::sqrt(2 * deep / indenter.curvature);  // where the skin has fallen by less
   const Eigen::Vector2d middle =
       Eigen::Rotation2Dd(-radians(indenter.yaw)) * Eigen::Vector2d(-indenter.position[0], -indenter.position[1]);
   box.x = {std::max(box.x.left, middle[0] - half), std::min(box.x.right, middle[0] + half)};

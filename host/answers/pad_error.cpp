@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
@@ -94,7 +95,7 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
       all.push_back(fmt::format("{} {:.3g} (measured {:g} to {:g})", what, value, in.left, in.right));
   };
   check("sensor.poisson", scene.sensor.poisson, measured.poisson);
-  check("depth over thickness", rubber_depth(scene, depth) / scene.sensor.thickness, measured.depth);
+  check("depth over thickness", depth / scene.sensor.thickness, measured.depth);
   if (scene.friction > 0) check("friction", scene.friction, measured.friction);
   return all;
 }
@@ -104,15 +105,16 @@ std::string judged_by(const ExpectedError& error) {
   return error.outside.empty() ? "95 % of scenes, " + error.scenes : "three times that of measured scenes";
 }
 
-double deepest(const fem::PadSolution& solution) {
+double deepest(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const double nu = scene.sensor.poisson, soft = fem::soft_object(scene.sensor, scene.indenter).normal(),
+               share = has_flat_face(scene) ? 0.5 : 0.75;  // of a half-space below a flat punch and a ball, P / (E a)
   double depth = 0;
-  for (const fem::PadStep& step : solution.steps) depth = std::max(depth, step.indentation);
+  for (const fem::PadStep& step : solution.steps) {
+    const double thick = step.indentation / (1 + soft / (1 - nu * nu)), a = std::sqrt(step.area / std::numbers::pi);
+    const double of_object = soft > 0 && step.P > 0 ? share * soft * step.P / (scene.sensor.young * a) : 0;
+    depth = std::max(depth, std::min(thick, step.indentation - of_object));
+  }
   return depth;
-}
-
-double rubber_depth(const fem::PadScene& scene, double depth) {
-  const double nu = scene.sensor.poisson;
-  return depth / (1 + fem::soft_object(scene.sensor, scene.indenter).normal() / (1 - nu * nu));
 }
 
 bool has_flat_face(const fem::PadScene& scene) {
@@ -121,7 +123,7 @@ bool has_flat_face(const fem::PadScene& scene) {
 }
 
 double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const double H = scene.sensor.thickness, strain = rubber_depth(scene, deepest(solution)) / H;
+  const double H = scene.sensor.thickness, strain = deepest(scene, solution) / H;
   if (has_flat_face(scene)) return 1.6 * strain;
   return solution.cells.half_size() > 1.5 * H ? std::max(0.013, 0.5 * strain) : 0.013;
 }
@@ -191,7 +193,7 @@ std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::Pad
   ExpectedError error{.expected = fem::pad_difference(answer, other),
                       .from = fmt::format("{0} x {0} cells", other.cells.n),
                       .scenes = "this scene",
-                      .outside = outside(measured_judge, scene_, deepest(answer))};
+                      .outside = outside(measured_judge, scene_, deepest(scene_, answer))};
   const bool free = fem::has_free_sides(scene_.sensor);
   const OverDifferences over = (free ? beside_free_sides : over_differences)(rung.cells, other.cells.n);
   const AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};

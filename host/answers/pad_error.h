@@ -45,9 +45,8 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
 /// Returns what errors rest on: "beside 24 x 24 cells", "95 % of scenes, smooth".
 std::string judged_by(const ExpectedError& error);
 
-double deepest(const fem::PadSolution& solution);  ///< mm, of all steps
-/// Returns how deep a depth presses the rubber at most, mm: a soft object takes its part, on thick rubber the least.
-double rubber_depth(const fem::PadScene& scene, double depth);
+/// Returns how deep the rubber is pressed in any step, mm; a soft object takes its part, of which this is the least.
+double deepest(const fem::PadScene& scene, const fem::PadSolution& solution);
 
 /// Returns true for punches, boxes and height maps.
 bool has_flat_face(const fem::PadScene& scene);

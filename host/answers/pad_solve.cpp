@@ -74,7 +74,8 @@ bool touches(const fem::PadSolution& solution) {
 bool state_error(PadOutcome& outcome, PadJudge& judge, int cells) {
   outcome.error = judge.error(outcome.rung, outcome.solution, cells);
   const bool judged = outcome.error.has_value();
-  if (!judged) outcome.error = expected_pad_error(outcome.rung, outcome.scene, deepest(outcome.solution));
+  if (!judged)
+    outcome.error = expected_pad_error(outcome.rung, outcome.scene, deepest(outcome.scene, outcome.solution));
   complete(*outcome.error, outcome.scene, outcome.solution);
   return judged;
 }

@@ -128,7 +128,7 @@ std::optional<std::string> error_warning(const PadOutcome& outcome) {
 
 /// Of depths at which rubber is not linear.
 std::optional<std::string> strain_warning(const PadOutcome& outcome) {
-  const double H = outcome.scene.sensor.thickness, depth = rubber_depth(outcome.scene, deepest(outcome.solution));
+  const double H = outcome.scene.sensor.thickness, depth = deepest(outcome.scene, outcome.solution);
   constexpr double rounding = 1e-6;  // of a depth in fp32
   if (!has_flat_face(outcome.scene) || depth <= deep_face * (1 + rounding) * H)
     return too_deep(H, depth) ? depth_warning(H, outcome.solution.steps) : std::nullopt;

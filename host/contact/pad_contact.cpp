@@ -55,7 +55,7 @@ fem::SoftObject object_of(const fem::PadScene& scene) { return fem::soft_object(
 
 /// What scenes share a table by.
 using TableKey = std::tuple<double, PadCellSize, fem::SoftObject>;
-TableKey table_key(const OnCells& of) { return {of.scene.sensor.poisson, of.size, object_of(of.scene)}; }
+TableKey table_key(const OnCells& on) { return {on.scene.sensor.poisson, on.size, object_of(on.scene)}; }
 
 /// Frame of the cells on the pad.
 double frame_of(const OnCells& of) { return fem::radians(of.cells.frame(of.scene.indenter)); }
@@ -330,9 +330,9 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   for (auto& [scene, path, cells] : scenes.all_) {
     double depth = 0;
     if (!cells) {
-      const fem::PadSearch& its = scene.sensor.curvature_radius ? *next_curved++ : *next++;
-      depth = its.depth;
-      fem::PadLayout laid = fem::lay_cells(its, scene, options.cells, options.ladder);
+      const fem::PadSearch& search_found = scene.sensor.curvature_radius ? *next_curved++ : *next++;
+      depth = search_found.depth;
+      fem::PadLayout laid = fem::lay_cells(search_found, scene, options.cells, options.ladder);
       scene.indenter = std::move(laid.indenter), cells = laid.cells;
     }
     const double H = scene.sensor.thickness;

@@ -178,7 +178,7 @@ std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSiz
   const auto unit = units((*layer)[PAD_ROOT_ZZ], (*layer)[PAD_ROOT_TT]);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double* row = &(*layer)[PAD_TABLE_HEAD + k * PAD_OWN_INFLUENCE];
-    const auto number = [&](int of) { return row[of] * unit[static_cast<std::size_t>(of)]; };
+    const auto number = [&](int which) { return row[which] * unit[static_cast<std::size_t>(which)]; };
     all[k] += {number(PAD_ZZ), number(PAD_XX), number(PAD_YY), number(PAD_XY), number(PAD_XZ), number(PAD_YZ)};
   }
   return std::make_shared<const std::vector<double>>(table_of(all, size));
