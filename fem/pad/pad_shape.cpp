@@ -318,8 +318,8 @@ double least_height(const PadIndenter& indenter) {
   PadBox box = rigid_section(indenter, pad_height(indenter, 0, 0));
   for (int round = 0; round < rounds; ++round) {
     const double hx = (box.x.right - box.x.left) / points, hy = (box.y.right - box.y.left) / points;
-    for (int k = 0; k < (points + 1) * (points + 1); ++k)
-      look(box.x.left + k / (points + 1) * hx, box.y.left + k % (points + 1) * hy);
+    for (int i = 0; i <= points; ++i)
+      for (int j = 0; j <= points; ++j) look(box.x.left + i * hx, box.y.left + j * hy);
     box = {{lowest[0] - 2 * hx, lowest[0] + 2 * hx}, {lowest[1] - 2 * hy, lowest[1] + 2 * hy}};
   }
   return least;
