@@ -34,7 +34,10 @@ inline constexpr auto numbers<PadIndenter> = std::tuple{
     Number{"yaw", "degrees", &PadIndenter::yaw, "a number of degrees about z", "degrees", false},
     Number{"tilt", "degrees", &PadIndenter::tilt, "a number of degrees, 0 to 45", "degrees", false},
     Number{"tilt_direction", "degrees", &PadIndenter::tilt_direction,
-           "the direction in degrees in which the bottom rises", "degrees", false}};
+           "the direction in degrees in which the bottom rises", "degrees", false},
+    Number{"young", "MPa", &PadIndenter::young, "a number of MPa above 0, or left out for a rigid object",
+           "MPa; None: rigid", false},
+    Number{"poisson", "1", &PadIndenter::poisson, "a number with 0 <= poisson <= 0.5", "", false}};
 
 /// Returns the sensor with the span that its tactels have where none is given.
 inline Sensor with_span(Sensor sensor) {

@@ -137,7 +137,9 @@ inline constexpr auto numbers<Pad> = std::tuple{
     Number{"poisson", "1", &Pad::poisson, "a number with 0 <= poisson <= 0.5", "", false},
     Number{"length", "mm", &Pad::length, "a number of mm along x", "mm along x; None: not known", false, false},
     Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false},
-    Number{"sides", "", &Pad::sides, "", "of the rubber, where length and width are given", false, false}};
+    Number{"sides", "", &Pad::sides, "", "of the rubber, where length and width are given", false, false},
+    Number{"curvature_radius", "mm", &Pad::curvature_radius, "a number of mm, or left out for a flat skin",
+           "mm, of the skin; None: flat", false, false}};
 template <>
 inline constexpr auto numbers<Load> = std::tuple{
     Number{"indentation", "mm", &Load::indentation, some_targets, "mm: targets"},

@@ -66,7 +66,10 @@ bool solvable(const PadCells& cells, double thickness, double depth) {
 }
 
 PadCells pad_cells(const PadBox& contact, const PadIndenter& indenter, int n, double thickness, bool ladder) {
-  if (const auto* punch = std::get_if<Punch>(&indenter.shape); punch && punch->edge == 0)
+  const double reach =
+      std::hypot(std::max(-contact.x.left, contact.x.right), std::max(-contact.y.left, contact.y.right));
+  const auto inside = [&](double radius) { return indenter.curvature > 0 && reach < radius; };  // a skin that falls off
+  if (const auto* punch = std::get_if<Punch>(&indenter.shape); punch && punch->edge == 0 && !inside(punch->radius))
     return round_cells(punch->radius, n, round_overhang);
   const PadBox edges = pad_edges(indenter.shape);
   Side x(contact.x, edges.x, n), y(contact.y, edges.y, n);

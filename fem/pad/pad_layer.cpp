@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "fem/layer/legendre_points.h"
@@ -43,6 +44,36 @@ double along_x(double x, double y) { return y * std::asinh(x / std::abs(y)); }
 Eigen::Array<double, 5, 1> corner(double x, double y) {
   const double R = std::sqrt(x * x + y * y), ln_R = std::log(R);
   return {along_x(x, y), along_x(y, x), -R, y * ln_R + x * std::atan(y / x), x * ln_R + y * std::atan(x / y)};
+}
+
+/// [F] of cells hx x hy at offsets of 0 to nx and ny cells, [nx + 1][ny + 1]. Neighbours share corners.
+std::vector<Eigen::Array<double, 5, 1>> half_spaces(double hx, double hy, int nx, int ny) {
+  std::vector<Eigen::Array<double, 5, 1>> corners, all;  // [nx + 2][ny + 2]
+  for (int i = 0; i < nx + 2; ++i)
+    for (int j = 0; j < ny + 2; ++j) corners.push_back(corner((i - 0.5) * hx, (j - 0.5) * hy));
+  for (int i = 0; i <= nx; ++i)
+    for (int j = 0; j <= ny; ++j) {
+      const auto* at = corners.data() + i * (ny + 2) + j;
+      all.emplace_back(at[ny + 3] - at[1] - at[ny + 2] + at[0]);
+    }
+  return all;
+}
+
+/// The same of one cell at any offset.
+Eigen::Array<double, 5, 1> half_space_of(double hx, double hy, double x, double y) {
+  const double x0 = x - hx / 2, x1 = x + hx / 2, y0 = y - hy / 2, y1 = y + hy / 2;
+  return corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0);
+}
+
+/// Of an object by [F].
+CellInfluence influence_of(const SoftObject& object, const Eigen::Array<double, 5, 1>& half_space) {
+  const double nu = object.poisson, c = object.softness * (1 + nu) / pi;
+  return {.zz = c * (1 - nu) * (half_space[0] + half_space[1]),
+          .xx = c * (half_space[0] + (1 - nu) * half_space[1]),
+          .yy = c * ((1 - nu) * half_space[0] + half_space[1]),
+          .xy = c * nu * half_space[2],
+          .xz = -c / 2 * (1 - 2 * nu) * half_space[3],
+          .yz = -c / 2 * (1 - 2 * nu) * half_space[4]};
 }
 
 /// The integral of the quadratic B-spline from 0 to r.
@@ -118,6 +149,7 @@ Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double h
       const double x = (i - 0.5) * hx, y = (j - 0.5) * hy;
       corner(i, j) = along_x(x, y) + along_x(y, x);
     }
+  const double more = 1 + object_.normal() / (1 - poisson_ * poisson_);
   const std::vector<double> places_x = rest_places(hx), places_y = rest_places(hy);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
@@ -128,42 +160,41 @@ Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double h
           rest += rho < range ? value(pad_z0, rho) : -1 / rho;
         }
       rest /= static_cast<double>(places_x.size() * places_y.size());
-      zz(i, j) = corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j) + hx * hy * rest;
+      zz(i, j) = more * (corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j)) + hx * hy * rest;
     }
   return thickness * (1 - poisson_ * poisson_) / pi * zz;
 }
 
 CellInfluence PadLayer::influence(double thickness, double hx, double hy, double x, double y) const {
-  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
-  const double x0 = x - hx / 2, x1 = x + hx / 2, y0 = y - hy / 2, y1 = y + hy / 2;
-  return with_rest(thickness, hx, hy, x, y, corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0));
+  CellInfluence sum = with_rest(thickness, hx / thickness, hy / thickness, x / thickness, y / thickness,
+                                half_space_of(hx / thickness, hy / thickness, x / thickness, y / thickness));
+  if (object_.softness > 0) sum += object_.influence(hx, hy, x, y);
+  return sum;
 }
 
-/// Of cells of uniform traction, sides over H, for offsets of 0 to nx and ny cells. Neighbours share corners.
+/// Of cells of uniform traction, sides over H, for offsets of 0 to nx and ny cells.
 std::vector<CellInfluence> PadLayer::uniform_influences(double thickness, double hx, double hy, int nx, int ny) const {
-  std::vector<Eigen::Array<double, 5, 1>> corners;  // [nx + 2][ny + 2]
-  for (int i = 0; i < nx + 2; ++i)
-    for (int j = 0; j < ny + 2; ++j) corners.push_back(corner((i - 0.5) * hx, (j - 0.5) * hy));
+  const std::vector<Eigen::Array<double, 5, 1>> half = half_spaces(hx, hy, nx, ny);
   std::vector<CellInfluence> all;
   for (int i = 0; i <= nx; ++i)
-    for (int j = 0; j <= ny; ++j) {
-      const auto* at = corners.data() + i * (ny + 2) + j;
-      all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, at[ny + 3] - at[1] - at[ny + 2] + at[0]));
-    }
+    for (int j = 0; j <= ny; ++j) all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, half[i * (ny + 1) + j]));
   return all;
 }
 
-std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
-  hx /= thickness, hy /= thickness;
-  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
-  const int mx = parts(hx), my = parts(hy);
-  if (mx == 1 && my == 1) return uniform_influences(thickness, hx, hy, n, n);
-  // Of uniform parts, as far as the layer moves.
-  const auto reach = [n](double side, int parts) {
-    return std::min(n * parts + 5 * parts / 2, static_cast<int>(range * parts / side) + 1);
+namespace {
+
+/// Influence of cells of shares(), sides over H, by that of uniform parts as far as `range`: uniform(sides of a part,
+/// offsets of 0 to nx and ny parts).
+template <class Uniform>
+std::vector<CellInfluence> of_parts(double hx, double hy, int n, double range, const Uniform& uniform) {
+  const std::vector<PadLayer::Share> along_x = PadLayer::shares(hx), along_y = PadLayer::shares(hy);
+  const int mx = PadLayer::parts(hx), my = PadLayer::parts(hy);
+  if (mx == 1 && my == 1) return uniform(hx, hy, n, n);
+  const auto reach = [n, range](double side, int parts) {
+    return static_cast<int>(std::min(n * parts + 5.0 * parts / 2, std::floor(range * parts / side) + 1));
   };
   const int nx = reach(hx, mx), ny = reach(hy, my);
-  const std::vector<CellInfluence> fine = uniform_influences(thickness, hx / mx, hy / my, nx, ny);
+  const std::vector<CellInfluence> fine = uniform(hx / mx, hy / my, nx, ny);
   // Sums along x, then along y. On the other side of the source the parts that are odd change their sign.
   const auto add = [](CellInfluence& to, double w, double odd_x, double odd_y, const CellInfluence& c) {
     to.zz += w * c.zz, to.xx += w * c.xx, to.yy += w * c.yy;
@@ -185,6 +216,46 @@ std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, dou
         add(all[i * (n + 1) + j], share * my, 1, at < 0 ? -1 : 1, lines[i * (ny + 1) + std::abs(at)]);
     }
   return all;
+}
+
+}  // namespace
+
+std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
+  std::vector<CellInfluence> all =
+      of_parts(hx / thickness, hy / thickness, n, range, [&](double side_x, double side_y, int nx, int ny) {
+        return uniform_influences(thickness, side_x, side_y, nx, ny);
+      });
+  if (!(object_.softness > 0)) return all;
+  const std::vector<CellInfluence> more = object_.influences(thickness, hx, hy, n);
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] += more[k];
+  return all;
+}
+
+CellInfluence& CellInfluence::operator+=(const CellInfluence& other) {
+  zz += other.zz, xx += other.xx, yy += other.yy, xy += other.xy, xz += other.xz, yz += other.yz;
+  return *this;
+}
+
+CellInfluence SoftObject::influence(double hx, double hy, double x, double y) const {
+  return influence_of(*this, half_space_of(hx, hy, x, y));
+}
+
+/// Five parts of a wide side are enough for a half-space, in which no length is small.
+std::vector<CellInfluence> SoftObject::influences(double thickness, double hx, double hy, int n) const {
+  const double x = std::min(hx / thickness, 2.0), y = std::min(hy / thickness, 2.0);
+  const auto uniform = [&](double side_x, double side_y, int nx, int ny) {
+    std::vector<CellInfluence> all;
+    for (const auto& half : half_spaces(side_x / x * hx, side_y / y * hy, nx, ny))
+      all.push_back(influence_of(*this, half));
+    return all;
+  };
+  return of_parts(x, y, n, std::numeric_limits<double>::infinity(), uniform);
+}
+
+PadLayer PadLayer::beside(const SoftObject& object) const {
+  PadLayer layer = *this;
+  layer.object_ = object;
+  return layer;
 }
 
 /// Lengths are over H.

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <vector>
 
 #include "fem/pad/pad_integrals.h"
@@ -33,6 +34,23 @@ namespace tactel::fem {
 /// mm per MPa over E.
 struct CellInfluence {
   double zz = 0, xx = 0, yy = 0, xy = 0, xz = 0, yz = 0;
+  CellInfluence& operator+=(const CellInfluence& other);
+};
+
+/// An object that gives way, too: an elastic half-space, whose surface faces the other way. Between it and the rubber
+/// lies what both move: to each influence of the layer it adds the half-space's part above with its own Poisson's
+/// ratio, times `softness`; xz and yz it subtracts (K. L. Johnson, Contact Mechanics, 1985, section 5.4).
+struct SoftObject {
+  double softness = 0;  ///< Young's modulus of the layer over its own; 0: rigid
+  double poisson = 0;
+  auto operator<=>(const SoftObject&) const = default;
+
+  // Compliances of its half-space where that of E = 1 has 1 - nu^2 and (1 + nu) (2 - nu).
+  double normal() const { return softness * (1 - poisson * poisson); }
+  double tangential() const { return softness * (1 + poisson) * (2 - poisson); }
+  /// What it adds to PadLayer::influence, and to PadLayer::influences.
+  CellInfluence influence(double hx, double hy, double x, double y) const;
+  std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
 };
 
 /// Stress at the base, MPa per MPa: rows sigma_z, tau_x, tau_y; columns by f_x, f_y, f_z.
@@ -61,6 +79,10 @@ class PadLayer {
   static Eigen::VectorXd places();
 
   double poisson() const { return poisson_; }
+  /// The object whose influence is added to that of the layer: none. The base stress has nothing of it.
+  const SoftObject& object() const { return object_; }
+  /// Returns this layer beside an object.
+  PadLayer beside(const SoftObject& object) const;
 
   /// [cells][pad_integrals]
   const std::vector<std::array<Cubic, pad_integrals>>& cells() const { return cells_; }
@@ -107,6 +129,7 @@ class PadLayer {
   std::vector<CellInfluence> uniform_influences(double thickness, double hx, double hy, int nx, int ny) const;
 
   double poisson_;
+  SoftObject object_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;
 };
 

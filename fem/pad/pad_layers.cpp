@@ -74,4 +74,12 @@ PadLayer pad_layer(double poisson) {
   return layers.layer(poisson);
 }
 
+SoftObject soft_object(const PadSensor& sensor, const PadIndenter& indenter) {
+  return indenter.young ? SoftObject{sensor.young / *indenter.young, indenter.poisson} : SoftObject{};
+}
+
+PadLayer pad_layer(const PadScene& scene) {
+  return pad_layer(scene.sensor.poisson).beside(soft_object(scene.sensor, scene.indenter));
+}
+
 }  // namespace tactel::fem

@@ -5,6 +5,7 @@
 
 #include "fem/condensation.h"
 #include "fem/pad/pad_layer.h"
+#include "fem/pad/pad_scene.h"
 
 namespace tactel::fem {
 
@@ -33,5 +34,10 @@ std::vector<double> poisson_shares(double poisson);
 
 /// Returns a layer of the PadLayers of this process.
 PadLayer pad_layer(double poisson);
+
+/// What an indenter is beside the rubber of a pad.
+SoftObject soft_object(const PadSensor& sensor, const PadIndenter& indenter);
+/// Returns the layer of a scene beside its object.
+PadLayer pad_layer(const PadScene& scene);
 
 }  // namespace tactel::fem

@@ -45,10 +45,21 @@ void validate(const PadSensor& sensor) {
   };
   check_side("sensor.length", sensor.length, 0);
   check_side("sensor.width", sensor.width, 1);
+  const bool free = sensor.sides == Sides::free && sensor.length && sensor.width;
+  if (const auto radius = sensor.curvature_radius) {
+    check_length("sensor.curvature_radius", *radius);
+    check(*radius >= 5 * sensor.thickness, "sensor.curvature_radius", *radius,
+          "5 thicknesses or more: a flat layer, which stands for the curved one, is off by a seventh there");
+    check(!free, "sensor.curvature_radius", *radius, "left out where sides are free; or sensor.sides = \"held\"");
+  }
   constexpr double tallest = 4;
-  if (sensor.sides == Sides::free && sensor.length && sensor.width)
+  if (free)
     check(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,
           "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
+}
+
+double fall_of_skin(const PadSensor& sensor, double x, double y) {
+  return sensor.curvature_radius ? (x * x + y * y) / (2 * *sensor.curvature_radius) : 0;
 }
 
 void PadIndenter::validate() const {
@@ -59,6 +70,10 @@ void PadIndenter::validate() const {
   check(tilt == 0 || (tilts(shape) && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
         "degrees, 0 to 45, and 0 but for punch and box");
   check(std::abs(tilt_direction) <= 360, "indenter.tilt_direction", tilt_direction, "degrees, -360 to 360");
+  if (!young) return;
+  check(*young >= 1e-9 && *young <= 1e12, "indenter.young", *young,
+        "a Young's modulus in MPa, 1e-9 to 1e12, or left out for a rigid object");
+  check(poisson >= 0 && poisson <= 0.5, "indenter.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
 }
 
 void PadLoad::validate() const {

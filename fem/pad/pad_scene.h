@@ -16,13 +16,16 @@
 namespace tactel::fem {
 
 // A pad is a layer of rubber, bonded to a rigid base, with tactels in two directions. x and y lie in its plane with 0
-// in its middle, z points up from the base. A rigid indenter presses it, drags it along x and y and turns about z.
+// in its middle, z points up from the base. An indenter presses it, drags it along x and y and turns about z.
 
 using PadSensor = Pad;
 using tactel::Sides;
 const char* name(Sides sides);  ///< "free", "held"
 /// Throws ValueError, key "sensor.<member>".
 void validate(const PadSensor& sensor);
+/// Returns how far the skin lies below its middle at a place, mm: (x^2 + y^2) / (2 curvature_radius); 0 where it is
+/// flat.
+double fall_of_skin(const PadSensor& sensor, double x, double y);
 
 // Profiles: height [mm] above the lowest point at (x, y) from the indenter's axis, in the indenter's own frame.
 
@@ -53,12 +56,20 @@ struct PadIndenter {
   double yaw = 0;                           ///< degrees, of its own frame about z
   double tilt = 0,
          tilt_direction = 0;  ///< degrees, of a punch or box: its bottom rises along this direction of its own frame
+  std::optional<double> young{};  ///< MPa, of an elastic object (SoftObject); none: rigid
+  double poisson = 0.45;          ///< of an elastic object
+  // Over a curved skin, as the cells see it (over_skin):
+  double curvature = 0;  ///< 1/mm, of the skin about the pad's middle
+  double touch = 0;      ///< mm: the least height above the skin, which is counted from there
 
   void validate() const;  ///< throws ValueError, key "indenter.<member>"
 };
 
 /// Whether every turn about z serves an indenter alike.
 bool is_round(const PadIndenter& indenter);
+
+/// Returns an indenter whose heights are those above the skin of a pad, which may be curved, from first touch on.
+PadIndenter over_skin(PadIndenter indenter, const PadSensor& sensor);
 
 /// Returns the height at (x, y) of the own frame, mm; +infinity beyond the indenter. With `beyond_edges` the bottom
 /// goes on beyond sharp edges.

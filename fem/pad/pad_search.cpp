@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fem/angles.h"
 #include "fem/layer/patch_search.h"
+#include "fem/pad/pad_layers.h"
 
 namespace tactel::fem {
 namespace {
@@ -173,12 +175,14 @@ struct RoundedFlat {
 double rim_reach(const PadSearch& found, const PadIndenter& indenter, const PadSensor& sensor) {
   constexpr double round_more = 1.1, box_more = 1.2;  // strength that counts over its mean: a box has corners
   const RoundedFlat flat(indenter.shape);
-  const double rise = 2 * flat.half_width * std::tan(radians(indenter.tilt));
+  const double skin = std::hypot(indenter.position[0], indenter.position[1]) + flat.half_width / 4;
+  const double rise = 2 * flat.half_width * (std::tan(radians(indenter.tilt)) + indenter.curvature * skin);
   if (!(flat.edge > 0 && found.P > 0 && rise < found.depth / 2)) return 0;
   const bool round = std::holds_alternative<Punch>(indenter.shape);
   const auto& [x, y] = found.contact;
   const double area = (round ? std::numbers::pi / 4 : 1) * (x.right - x.left) * (y.right - y.left);
-  const double force = found.P * (1 - sensor.poisson * sensor.poisson) / sensor.young, depth = found.depth - rise / 2;
+  const double normal = 1 - sensor.poisson * sensor.poisson + soft_object(sensor, indenter).normal();
+  const double force = found.P * normal / sensor.young, depth = found.depth - rise / 2;
   const double stiffening = std::max(1.0, force / (2 * std::sqrt(area / std::numbers::pi) * depth));
   const double squared = force / area * depth * (1 - 0.5 / stiffening) / (2 * std::numbers::pi);
   const double strength = (round ? round_more : box_more) * std::sqrt(squared);
@@ -211,17 +215,17 @@ bool fit_to_rim(PadBox& contact, double reach, const PadIndenter& indenter, int 
 
 }  // namespace
 
-PadIndenter aligned(PadIndenter indenter) {
+PadIndenter aligned(PadIndenter indenter, const PadSensor& sensor) {
   if (std::holds_alternative<Punch>(indenter.shape)) {
     indenter.yaw += indenter.tilt_direction;
     indenter.tilt_direction = 0;
   }
-  return indenter;
+  return over_skin(std::move(indenter), sensor);
 }
 
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
   PadScene seen = scene;
-  seen.indenter = aligned(scene.indenter);
+  seen.indenter = aligned(scene.indenter, scene.sensor);
   return lay_cells(find_pad_contact(seen, layer), seen, cells, ladder);
 }
 
@@ -247,7 +251,7 @@ bool lies_on_pad(const PadCells& cells, const PadScene& scene) {
 
 PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cells, const PadSides& sides) {
   PadScene seen = scene;
-  seen.indenter = aligned(scene.indenter);
+  seen.indenter = aligned(scene.indenter, scene.sensor);
   if (is_round(seen.indenter)) seen.indenter.yaw = 0;
   const auto lay = [&](double turn) {
     const PadFrame frame{turn, rubber_along(scene.sensor, seen.indenter, seen.indenter.yaw + turn), sides};

@@ -62,9 +62,9 @@ struct PadLayout {
 
 inline constexpr double rim_end = 0.6, round_rim = 0.5, straight_rim = 3;
 
-/// Returns an indenter as the search and the cells see it: a tilted punch, which touches along an arc, in a frame
-/// turned so that this lies along the cells.
-PadIndenter aligned(PadIndenter indenter);
+/// Returns an indenter as the search and the cells see it, over the skin (over_skin): a tilted punch, which touches
+/// along an arc, in a frame turned so that this lies along the cells.
+PadIndenter aligned(PadIndenter indenter, const PadSensor& sensor);
 
 /// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search. With `found`: what
 /// find_pad_contact found for the aligned indenter, which `scene` has.

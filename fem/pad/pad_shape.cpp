@@ -290,6 +290,49 @@ void check_shape(const PadShape& shape) {
   with_geometry(shape, [](auto geometry, const auto& own) { geometry.check(own); });
 }
 
+namespace {
+
+/// How far a curved skin lies below its middle at a place of the own frame, mm, less `touch`.
+double fall(const PadIndenter& indenter, double x, double y) {
+  if (indenter.curvature == 0) return 0;
+  const double cosine = std::cos(radians(indenter.yaw)), sine = std::sin(radians(indenter.yaw));
+  const double r = far(indenter.position[0] + cosine * x - sine * y, indenter.position[1] + sine * x + cosine * y);
+  return indenter.curvature * r * r / 2 - indenter.touch;
+}
+
+/// The least height: of all points of a map, else on ever finer grids about the least so far, for shapes are convex.
+double least_height(const PadIndenter& indenter) {
+  constexpr int points = 16, rounds = 12;
+  double least = infinity;
+  Eigen::Vector2d lowest(0, 0);
+  const auto look = [&](double x, double y) {
+    if (const double height = pad_height(indenter, x, y); height < least) least = height, lowest = {x, y};
+  };
+  if (const auto* map = std::get_if<HeightMap>(&indenter.shape)) {
+    const PadBox edges = pad_edges(*map);
+    for (Eigen::Index i = 0; i < map->heights.rows(); ++i)
+      for (Eigen::Index j = 0; j < map->heights.cols(); ++j)
+        look(edges.x.left + map->pitch * static_cast<double>(i), edges.y.left + map->pitch * static_cast<double>(j));
+    return least;
+  }
+  PadBox box = rigid_section(indenter, pad_height(indenter, 0, 0));
+  for (int round = 0; round < rounds; ++round) {
+    const double hx = (box.x.right - box.x.left) / points, hy = (box.y.right - box.y.left) / points;
+    for (int i = 0; i <= points; ++i)
+      for (int j = 0; j <= points; ++j) look(box.x.left + i * hx, box.y.left + j * hy);
+    box = {{lowest[0] - 2 * hx, lowest[0] + 2 * hx}, {lowest[1] - 2 * hy, lowest[1] + 2 * hy}};
+  }
+  return least;
+}
+
+}  // namespace
+
+PadIndenter over_skin(PadIndenter indenter, const PadSensor& sensor) {
+  indenter.curvature = sensor.curvature_radius ? 1 / *sensor.curvature_radius : 0, indenter.touch = 0;
+  if (indenter.curvature > 0) indenter.touch = least_height(indenter);
+  return indenter;
+}
+
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
   const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
   const double height = with_geometry(indenter.shape, [&](auto geometry, const auto& shape) {
@@ -300,9 +343,10 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
     }
     return geometry.height(shape)(x, y);
   });
-  if (indenter.tilt == 0) return height;
+  const double above = height + fall(indenter, x, y);
+  if (indenter.tilt == 0) return above;
   const Tilt tilt(indenter);
-  return height + tilt.x * x + tilt.y * y + below(indenter.shape, tilt);
+  return above + tilt.x * x + tilt.y * y + below(indenter.shape, tilt);
 }
 
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
@@ -312,6 +356,8 @@ Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x
     for (Eigen::Index j = 0; j < y.size(); ++j)
       for (Eigen::Index i = 0; i < x.size(); ++i) heights(i, j) = height(x[i], y[j]);
   });
+  for (Eigen::Index j = 0; j < y.size() && indenter.curvature != 0; ++j)
+    for (Eigen::Index i = 0; i < x.size(); ++i) heights(i, j) += fall(indenter, x[i], y[j]);
   if (indenter.tilt == 0) return heights;
   const Tilt tilt(indenter);
   heights.array().colwise() += tilt.x * x + below(indenter.shape, tilt);
@@ -325,9 +371,16 @@ PadBox pad_edges(const PadShape& shape) {
 
 PadBox rigid_section(const PadIndenter& indenter, double depth) {
   const double slope = std::tan(radians(std::abs(indenter.tilt)));
-  return with_geometry(indenter.shape, [&](auto geometry, const auto& shape) {
-    return geometry.section(shape, std::max(depth, 0.0), slope);
-  });
+  const double deep = std::max(depth, 0.0) + indenter.touch;
+  PadBox box = with_geometry(indenter.shape,
+                             [&](auto geometry, const auto& shape) { return geometry.section(shape, deep, slope); });
+  if (indenter.curvature == 0) return box;
+  const double half = std::sqrt(2 * deep / indenter.curvature);  // where the skin has fallen by less
+  const Eigen::Vector2d middle =
+      Eigen::Rotation2Dd(-radians(indenter.yaw)) * Eigen::Vector2d(-indenter.position[0], -indenter.position[1]);
+  box.x = {std::max(box.x.left, middle[0] - half), std::min(box.x.right, middle[0] + half)};
+  box.y = {std::max(box.y.left, middle[1] - half), std::min(box.y.right, middle[1] + half)};
+  return box;
 }
 
 std::vector<PadDraw> pad_draws() {

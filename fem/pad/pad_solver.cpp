@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
 #include "fem/pad/layer_means.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
@@ -289,17 +291,24 @@ Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene)
   if (!cells.shared) return compliances;
   const Eigen::MatrixXd shares = covered_shares(cells, scene.indenter);
   constexpr double all = 1 - 1e-9;
+  const double nu = scene.sensor.poisson,
+               softer = 1 + soft_object(scene.sensor, scene.indenter).normal() / (1 - nu * nu);
   for (int i = 0; i < cells.count(); ++i)
     if (const double share = shares(i / cells.n + 1, i % cells.n + 1); share > 0 && share < all)
-      compliances[i] = share_compliance(share, cells, scene.sensor.poisson);
+      compliances[i] = softer * share_compliance(share, cells, nu);
   return compliances;
 }
 
 double sliding_limit(const PadScene& scene, double normal, const PadCells& cells) {
   const double nu = scene.sensor.poisson, mu = scene.friction;
-  if (!by_force(scene)) return mu * normal * (2 - nu) / (2 * (1 - nu));
+  const SoftObject object = soft_object(scene.sensor, scene.indenter);
+  if (!by_force(scene)) {
+    const double more = (1 + object.tangential() / ((1 + nu) * (2 - nu))) / (1 + object.normal() / (1 - nu * nu));
+    return mu * normal * (2 - nu) / (2 * (1 - nu)) * more;
+  }
   const double G = scene.sensor.young / (2 * (1 + nu)), area = cells.count() * cells.area();
-  return 1.5 * mu * normal / (G * (8 * std::sqrt(area / std::numbers::pi) / (2 - nu) + area / scene.sensor.thickness));
+  const double a = std::sqrt(area / std::numbers::pi), of_object = object.tangential() / (4 * a * scene.sensor.young);
+  return 1.5 * mu * normal * of_object + 1.5 * mu * normal / (G * (8 * a / (2 - nu) + area / scene.sensor.thickness));
 }
 
 std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions& options, const PadCells& cells) {
@@ -439,6 +448,8 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
 PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
 
 PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) const {
+  if (layer_.object() != soft_object(scene.sensor, scene.indenter))
+    throw std::logic_error("PadSolver: a layer beside another object");
   return PadWalk(layer_, options_, cells, scene).walk();
 }
 

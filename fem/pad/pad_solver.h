@@ -91,7 +91,7 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
 
 /// Contact on a pad, fp64, one scene at a time: the twin of the pad kernel. It shares the algorithm with the kernel,
 /// but no code. A pad with free sides (has_free_sides) is solved on a table of its own. Keeps a reference to the layer,
-/// which must have the sensor's Poisson's ratio.
+/// which must be that of the scenes (pad_layer).
 class PadSolver {
  public:
   explicit PadSolver(const PadLayer& layer, const PadOptions& options = {});

@@ -44,6 +44,11 @@ PadCells fixed_cells(std::array<int, 2> along, std::array<double, 2> sides) {
   return {.n = along[0], .hx = sides[0], .hy = sides[1], .along_y = along[1]};
 }
 
+void add_skin(const PadSensor& sensor, const PadCells& cells, Eigen::Ref<Eigen::ArrayXd> heights) {
+  for (int i = 0; i < cells.count(); ++i)
+    heights[i] += fall_of_skin(sensor, cells.x(i / cells.ny()), cells.y(i % cells.ny()));
+}
+
 PadBox rubber_of(const PadSensor& sensor) {
   if (!has_free_sides(sensor)) return everywhere;
   return {{-*sensor.length / 2, *sensor.length / 2}, {-*sensor.width / 2, *sensor.width / 2}};

@@ -29,6 +29,9 @@ struct PadSurface {
 PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,
                        bool free_sides = false);
 
+/// Adds what a curved skin falls (fall_of_skin) to the heights of an object, [cells] mm, which are then above the skin.
+void add_skin(const PadSensor& sensor, const PadCells& cells, Eigen::Ref<Eigen::ArrayXd> heights);
+
 /// Returns the surface of a pad: its box where the sides are free, else everywhere.
 PadBox rubber_of(const PadSensor& sensor);
 

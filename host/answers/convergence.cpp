@@ -253,7 +253,7 @@ Convergence converge(const SolveOutcome& outcome, std::size_t step, const RungPr
 }
 
 Convergence converge(const PadOutcome& outcome, std::size_t step, const RungProgress& progress) {
-  const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(outcome.scene);
   const auto solve = [&](int cells) {
     return fem::PadReference(layer, fem::pad_reference_options(cells)).solve(outcome.scene).solution;
   };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
@@ -127,9 +128,15 @@ std::string judged_by(const ExpectedError& error) {
   return error.outside.empty() ? "95 % of scenes, " + error.scenes : "three times that of measured scenes";
 }
 
-double deepest(const fem::PadSolution& solution) {
+double deepest(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const double nu = scene.sensor.poisson, soft = fem::soft_object(scene.sensor, scene.indenter).normal(),
+               share = has_flat_face(scene) ? 0.5 : 0.75;  // of a half-space below a flat punch and a ball, P / (E a)
   double depth = 0;
-  for (const fem::PadStep& step : solution.steps) depth = std::max(depth, step.indentation);
+  for (const fem::PadStep& step : solution.steps) {
+    const double thick = step.indentation / (1 + soft / (1 - nu * nu)), a = std::sqrt(step.area / std::numbers::pi);
+    const double of_object = soft > 0 && step.P > 0 ? share * soft * step.P / (scene.sensor.young * a) : 0;
+    depth = std::max(depth, std::min(thick, step.indentation - of_object));
+  }
   return depth;
 }
 
@@ -139,16 +146,20 @@ bool has_flat_face(const fem::PadScene& scene) {
 }
 
 double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const double H = scene.sensor.thickness, strain = deepest(solution) / H;
+  const double H = scene.sensor.thickness, strain = deepest(scene, solution) / H;
   if (has_flat_face(scene)) return 1.6 * strain;
   return solution.cells.half_size() > 1.5 * H ? std::max(0.013, 0.5 * strain) : 0.013;
+}
+
+double curvature_error(const fem::PadSensor& sensor) {
+  return sensor.curvature_radius ? 0.7 * sensor.thickness / *sensor.curvature_radius : 0;
 }
 
 void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSolution& solution) {
   AnswerError& e = error.expected;
   if (bears_no_drag(scene, solution)) e.Q = e.M = 0;  // relative to them, rounding would be any number
   if (by_force(scene)) return;
-  error.strain = strain_error(scene, solution);
+  error.strain = strain_error(scene, solution) + curvature_error(scene.sensor);
   e.P += error.strain, e.sigma += error.strain;
 }
 
@@ -194,7 +205,7 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .side_bricks = fem::SideBricks::finer,
                                 .whole_path = false,
                                 .between_sweeps = StopScope::checker()};
-  const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(scene_);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }
 
@@ -205,7 +216,7 @@ std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::Pad
   ExpectedError error{.expected = fem::pad_difference(answer, other),
                       .from = fmt::format("{0} x {0} cells", other.cells.n),
                       .scenes = "this scene",
-                      .outside = outside(measured_judge, scene_, deepest(answer))};
+                      .outside = outside(measured_judge, scene_, deepest(scene_, answer))};
   const bool free = fem::has_free_sides(scene_.sensor);
   const OverDifferences over = (free ? beside_free_sides : over_differences)(rung.cells, other.cells.n);
   AnswerError beside_sides = free ? least_beside_sides(scene_) : AnswerError{};

@@ -45,7 +45,8 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
 /// Returns what errors rest on: "beside 24 x 24 cells", "95 % of scenes, smooth".
 std::string judged_by(const ExpectedError& error);
 
-double deepest(const fem::PadSolution& solution);  ///< mm, of all steps
+/// Returns how deep the rubber is pressed in any step, mm; a soft object takes its part, of which this is the least.
+double deepest(const fem::PadScene& scene, const fem::PadSolution& solution);
 
 /// Returns true for punches, boxes and height maps.
 bool has_flat_face(const fem::PadScene& scene);
@@ -54,7 +55,10 @@ inline constexpr double deep_face = 0.05;  ///< depth over thickness from which 
 /// depth over thickness, under balls 1.3 %, half the depth where they touch 1.5 thicknesses to a side or more
 /// (docs/notebook/2026-11-29-answers.md).
 double strain_error(const fem::PadScene& scene, const fem::PadSolution& solution);
-/// Completes the errors of an answer, whose Q and M may be 0, by that of large strain.
+/// Returns by how much a curved skin bears less than the flat layer that stands for it, at most, over P: 0.7 H /
+/// radius, of nu 0.48 and depths to 0.15 H.
+double curvature_error(const fem::PadSensor& sensor);
+/// Completes the errors of an answer, whose Q and M may be 0, by those of large strain and of curved skins.
 void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSolution& solution);
 
 /// Returns the errors of a rung below the reference on the class of a scene.

@@ -45,7 +45,7 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   outcome.precision = "fp64", outcome.device = "host";
-  const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(outcome.scene);
   if (outcome.rung.exact) {
     outcome.solver = "reference";
     fem::PadOptions reference = fem::pad_reference_options();
@@ -74,7 +74,8 @@ bool touches(const fem::PadSolution& solution) {
 bool state_error(PadOutcome& outcome, PadJudge& judge, int cells) {
   outcome.error = judge.error(outcome.rung, outcome.solution, cells);
   const bool judged = outcome.error.has_value();
-  if (!judged) outcome.error = expected_pad_error(outcome.rung, outcome.scene, deepest(outcome.solution));
+  if (!judged)
+    outcome.error = expected_pad_error(outcome.rung, outcome.scene, deepest(outcome.scene, outcome.solution));
   complete(*outcome.error, outcome.scene, outcome.solution);
   return judged;
 }

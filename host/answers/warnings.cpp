@@ -128,10 +128,10 @@ std::optional<std::string> error_warning(const PadOutcome& outcome) {
 
 /// Of depths at which rubber is not linear.
 std::optional<std::string> strain_warning(const PadOutcome& outcome) {
-  const double H = outcome.scene.sensor.thickness, depth = deepest(outcome.solution);
+  const double H = outcome.scene.sensor.thickness, depth = deepest(outcome.scene, outcome.solution);
   constexpr double rounding = 1e-6;  // of a depth in fp32
   if (!has_flat_face(outcome.scene) || depth <= deep_face * (1 + rounding) * H)
-    return depth_warning(H, outcome.solution.steps);
+    return too_deep(H, depth) ? depth_warning(H, outcome.solution.steps) : std::nullopt;
   return fmt::format(
       "the face is {:.3g} mm deep, {:.0f} % of the thickness: by large strain, which the model leaves out, rubber is "
       "some {} stiffer there",
@@ -169,6 +169,15 @@ std::optional<std::string> pitch_warning(const PadOutcome& outcome) {
       "the contact stays {:.3g} mm from the nearest tactel, more than the thickness of {:.3g} mm: with a pitch of "
       "{:.3g} mm the tactels hardly see it",
       nearest, H, pitch);
+}
+
+/// Of skins for which a flat layer stands, with radii below 20 H.
+std::optional<std::string> curvature_warning(const fem::PadSensor& sensor) {
+  if (!sensor.curvature_radius || *sensor.curvature_radius >= 20 * sensor.thickness) return std::nullopt;
+  return fmt::format(
+      "the skin's radius is {:.3g} thicknesses: the flat layer that stands for it bears up to {} too much; of 20 "
+      "thicknesses 3 %, of 10 7 %",
+      *sensor.curvature_radius / sensor.thickness, percent(curvature_error(sensor)));
 }
 
 /// The warnings that there are.
@@ -237,10 +246,10 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
 std::vector<std::string> warnings(const PadOutcome& outcome) {
   const auto& steps = outcome.solution.steps;
   const auto limit = [](const fem::PadStep& step) { return slip_limit(std::sqrt(step.area)); };
-  auto all =
-      those_of(unit_warnings(outcome.scene), {strain_warning(outcome), untouched_warning(steps),
-                                              few_cells_warning(outcome), slip_warning(steps, "cells", limit),
-                                              error_warning(outcome), edge_warning(outcome), pitch_warning(outcome)});
+  auto all = those_of(unit_warnings(outcome.scene),
+                      {strain_warning(outcome), untouched_warning(steps), few_cells_warning(outcome),
+                       slip_warning(steps, "cells", limit), error_warning(outcome), edge_warning(outcome),
+                       pitch_warning(outcome), curvature_warning(outcome.scene.sensor)});
   if (outcome.error)
     for (const std::string& what : outcome.error->outside)
       all.push_back("errors were not measured for scenes like this one: " + what);

@@ -54,6 +54,7 @@ fem::PadScene to_fem(const PadScene& scene) {
   const PadIndenter& indenter = scene.indenter;
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_to_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
+  made.indenter.young = indenter.young, made.indenter.poisson = indenter.poisson;
   made.friction = scene.friction;
   const PadLoad& load = scene.load;
   if (!load.twist.empty() && load.twist.size() != load.tangential.size())
@@ -77,6 +78,7 @@ PadScene from_fem(const fem::PadScene& scene) {
   const fem::PadIndenter& indenter = scene.indenter;
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_from_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
+  made.indenter.young = indenter.young, made.indenter.poisson = indenter.poisson;
   made.friction = scene.friction;
   const fem::PadLoad& load = scene.load;
   made.load = {load.indentation, load.normal_force, load.indentation_steps};

@@ -37,6 +37,7 @@ struct PadStepper::State {
 
   State(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options)
       : executor(host::Device(options.device)),
+        pad(pad),
         count(count),
         rubber(fem::rubber_of(pad)),
         free_sides(fem::has_free_sides(pad)) {
@@ -54,6 +55,7 @@ struct PadStepper::State {
   void take_answer();
 
   host::Executor executor;
+  Pad pad;
   std::size_t count, tactels = 0;
   fem::PadCells cells;
   fem::PadBox rubber;
@@ -79,8 +81,10 @@ void PadStepper::State::put_shapes(std::span<const double> pose) {
       if (known && std::equal(&now[3 * c], &now[3 * c] + 3, &put[3 * c])) continue;
       const fem::PadIndenter& indenter = indenters[indenters.size() == 1 ? 0 : c];
       const std::array place{now[3 * c], now[3 * c + 1]};
-      of.set_surface(c, fem::pad_surface(cells, indenter, place, now[3 * c + 2], free_sides),
-                     fem::height_beyond(cells, indenter, place, now[3 * c + 2], rubber));
+      fem::PadSurface surface = fem::pad_surface(cells, indenter, place, now[3 * c + 2], free_sides);
+      fem::add_skin(pad, cells, surface.height);
+      const double beyond = fem::height_beyond(cells, indenter, place, now[3 * c + 2], rubber);
+      of.set_surface(c, surface, beyond + fem::fall_of_skin(pad, std::min(cells.x(cells.n), cells.y(cells.ny())), 0));
     }
     of.set_axes(axes);
   });
@@ -176,6 +180,9 @@ void PadStepper::set_shapes(std::span<const PadIndenter> indenters) {
       scene.indenter = indenter;
       made.push_back(api::to_fem(scene).indenter);
       made.back().validate();
+      if (indenter.young)
+        throw ValueError("shapes.young", fmt::format("{}", *indenter.young),
+                         "left out: StepOptions::object_young, PadStepper(object_young=) is that of all objects");
     }
     for (std::size_t c = 0; c < s.count; ++c) {
       const fem::PadIndenter& own = made[made.size() == 1 ? 0 : c];

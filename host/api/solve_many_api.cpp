@@ -257,7 +257,7 @@ host::PadRung rung_for_pads(host::Executor& executor, const SolveOptions& option
       host::PadStream(executor, host::model_of(rungs.front())).solve(std::span<const fem::PadScene>(sample));
   const auto keeps = [&](const host::PadRung& rung) {
     for (std::size_t k = 0; k < count; ++k) {
-      const double depth = host::deepest(solutions[k]);
+      const double depth = host::deepest(sample[k], solutions[k]);
       if (host::expected_pad_error(rung, sample[k], depth).expected.S > *options.accuracy) return false;
     }
     return true;

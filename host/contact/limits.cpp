@@ -33,13 +33,13 @@ double missing_at_edge(double distance, double at_near, double at_far) {
 
 /// Cells of a scene, as the solver lays them.
 fem::PadLayout lay(const fem::PadScene& scene, int cells) {
-  const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(scene);
   if (fem::has_free_sides(scene.sensor))
     return fem::lay_cells_on_pad(scene, layer, cells,
                                  fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]},
                                                fem::SideBricks::usual, StopScope::checker()));
   fem::PadScene seen = scene;
-  seen.indenter = fem::aligned(scene.indenter);
+  seen.indenter = fem::aligned(scene.indenter, scene.sensor);
   const fem::PadSearch found = fem::find_pad_contact(seen, layer);
   fem::PadLayout laid = fem::lay_cells(found, seen, cells, true);
   laid.depth = found.depth;

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "fem/angles.h"
 #include "fem/pad/pad_layers.h"
@@ -50,6 +51,12 @@ struct OnCells {
   std::shared_ptr<const std::vector<double>> influence{};  ///< of the layer: PadTables::influence
 };
 
+fem::SoftObject object_of(const fem::PadScene& scene) { return fem::soft_object(scene.sensor, scene.indenter); }
+
+/// What scenes share a table by.
+using TableKey = std::tuple<double, PadCellSize, fem::SoftObject>;
+TableKey table_key(const OnCells& on) { return {on.scene.sensor.poisson, on.size, object_of(on.scene)}; }
+
 /// Frame of the cells on the pad.
 double frame_of(const OnCells& of) { return fem::radians(of.cells.frame(of.scene.indenter)); }
 
@@ -85,13 +92,13 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const std::vector<typena
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
   const std::vector<int> stratum = strata(friction, pad_friction_strata);
   using Cost = std::tuple<int, std::size_t, int, int, double, std::size_t>;
-  std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
+  std::map<TableKey, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
     const OnCells& of = on_cells[i];
-    const auto& [scene, cells, size] = std::tie(of.scene, of.cells, of.size);
+    const auto& [scene, cells] = std::tie(of.scene, of.cells);
     const double half_size = cells.half_size();
-    by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
-                                                        straightness(scene, half_size), half_size, i);
+    by_table[table_key(of)].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
+                                         straightness(scene, half_size), half_size, i);
   }
   PadLanes lanes;
   lanes.vectors = options.vectors;
@@ -274,11 +281,14 @@ void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& a
   side_by_side(all.size(), executor.threads(), [&](std::size_t i) {
     auto& [scene, path, cells] = scenes.all_[i];
     OnCells& to = all[i];
+    const fem::SoftObject object = object_of(scene);
     const auto& at = scene.indenter.position;
     to.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual, StopScope::checker());
     double depth = 0;
     if (!cells) {
-      fem::PadLayout laid = fem::lay_cells_on_pad(scene, layer, options.cells, to.sides);
+      fem::PadLayout laid = object.softness > 0
+                                ? fem::lay_cells_on_pad(scene, layer.beside(object), options.cells, to.sides)
+                                : fem::lay_cells_on_pad(scene, layer, options.cells, to.sides);
       scene.indenter = std::move(laid.indenter), cells = laid.cells, depth = laid.depth;
     }
     const double H = scene.sensor.thickness;
@@ -286,7 +296,7 @@ void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& a
     if (!to.solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     to.scene = std::move(scene), to.cells = *cells, to.size = cell_size(*cells, H);
     to.heights = fem::heights_on_pad(to.cells, to.scene), to.softs = fem::shared_compliances(to.cells, to.scene);
-    to.influence = means->influence(to.size);
+    to.influence = means->influence(to.size, object);
   });
 }
 
@@ -299,20 +309,30 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
     return all;
   }
   std::vector<const fem::PadScene*> searched;
+  std::vector<fem::PadScene*> curved;  // skins, by the twin
   for (auto& [scene, path, cells] : scenes.all_) {
     if (cells) continue;
-    scene.indenter = fem::aligned(std::move(scene.indenter));
-    searched.push_back(&scene);
+    if (scene.sensor.curvature_radius)
+      curved.push_back(&scene);
+    else
+      scene.indenter = fem::aligned(std::move(scene.indenter), scene.sensor), searched.push_back(&scene);
   }
   const std::vector<fem::PadSearch> found = search.find(searched);
-  auto next = found.begin();
+  std::vector<fem::PadSearch> found_by_twin(curved.size());
+  side_by_side(curved.size(), executor.threads(), [&](std::size_t i) {
+    fem::PadScene& scene = *curved[i];
+    scene.indenter = fem::aligned(std::move(scene.indenter), scene.sensor);
+    found_by_twin[i] = fem::find_pad_contact(scene, fem::pad_layer(scene));
+  });
+  auto next = found.begin(), next_curved = std::as_const(found_by_twin).begin();
   std::vector<OnCells> all;
   all.reserve(scenes.all_.size());
   for (auto& [scene, path, cells] : scenes.all_) {
     double depth = 0;
     if (!cells) {
-      depth = next->depth;
-      fem::PadLayout laid = fem::lay_cells(*next++, scene, options.cells, options.ladder);
+      const fem::PadSearch& search_found = scene.sensor.curvature_radius ? *next_curved++ : *next++;
+      depth = search_found.depth;
+      fem::PadLayout laid = fem::lay_cells(search_found, scene, options.cells, options.ladder);
       scene.indenter = std::move(laid.indenter), cells = laid.cells;
     }
     const double H = scene.sensor.thickness;
@@ -366,15 +386,14 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
 template <class Real>
 Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
                                                     std::vector<std::int32_t>& table_of_group) {
-  std::map<std::tuple<double, PadCellSize>, std::int32_t> index;
+  std::map<TableKey, std::int32_t> index;
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.first_of_group) {
     const OnCells& of = on_cells[i];
-    const auto [entry, is_new] =
-        index.try_emplace({of.scene.sensor.poisson, of.size}, static_cast<std::int32_t>(index.size()));
+    const auto [entry, is_new] = index.try_emplace(table_key(of), static_cast<std::int32_t>(index.size()));
     table_of_group.push_back(entry->second);
     if (!is_new) continue;
-    const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size);
+    const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size, object_of(of.scene));
     for (const double number : table) numbers.push_back(static_cast<Real>(number));
   }
   return buffer_of(device(), std::move(numbers));
@@ -392,7 +411,8 @@ Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>
   for (std::size_t lane = first; lane < lanes.in_lane.size(); ++lane) {
     if (lanes.in_lane[lane] == no_scene) continue;
     const OnCells& of = on_cells[lanes.in_lane[lane]];
-    const auto table = of.influence ? of.influence : tables(of.scene.sensor.poisson)->influence(of.size);
+    const auto table =
+        of.influence ? of.influence : tables(of.scene.sensor.poisson)->influence(of.size, object_of(of.scene));
     const std::vector<Real> numbers(table->begin(), table->end());
     array.put(all.view(), lane - first, std::span(numbers));
   }

@@ -100,8 +100,12 @@ std::vector<double> PadTables::stress() const {
 }
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
-  const std::vector<fem::CellInfluence> all =
-      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_);
+  return table_of(
+      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_),
+      size);
+}
+
+std::vector<double> PadTables::table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) const {
   const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   const auto unit = units(zz, tt);
@@ -163,11 +167,28 @@ std::vector<double> PadTables::sum(const std::vector<Weighted>& tables, const Pa
   return table;
 }
 
-std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size) const {
+std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size,
+                                                                const fem::SoftObject& object) const {
+  if (!(object.softness > 0)) return of_layer(size);
+  if (means_)
+    return std::make_shared<const std::vector<double>>(
+        table_of(fem::layer_means(layer_->beside(object), 1, size.hx, size.hy, cells_), size));
+  std::vector<fem::CellInfluence> all = object.influences(1, size.hx, size.hy, cells_);
+  const auto layer = of_layer(size);
+  const auto unit = units((*layer)[PAD_ROOT_ZZ], (*layer)[PAD_ROOT_TT]);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double* row = &(*layer)[PAD_TABLE_HEAD + k * PAD_OWN_INFLUENCE];
+    const auto number = [&](int which) { return row[which] * unit[static_cast<std::size_t>(which)]; };
+    all[k] += {number(PAD_ZZ), number(PAD_XX), number(PAD_YY), number(PAD_XY), number(PAD_XZ), number(PAD_YZ)};
+  }
+  return std::make_shared<const std::vector<double>>(table_of(all, size));
+}
+
+std::shared_ptr<const std::vector<double>> PadTables::of_layer(const PadCellSize& size) const {
   if (!points_.empty()) {
     const std::vector<double> shares = fem::poisson_shares(poisson_);
     std::vector<Weighted> tables;
-    for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->influence(size));
+    for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->of_layer(size));
     return std::make_shared<const std::vector<double>>(sum(tables, size));
   }
   if (OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung()) return on_rungs(size);
@@ -187,9 +208,9 @@ std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize
   return made;
 }
 
-std::vector<double> PadTables::shared_influence(const PadCellSize& size) const {
+std::vector<double> PadTables::shared_influence(const PadCellSize& size, const fem::SoftObject& object) const {
   const int n = cells_, span = 2 * n + 1;
-  const std::shared_ptr<const std::vector<double>> own = influence(size);
+  const std::shared_ptr<const std::vector<double>> own = influence(size, object);
   std::vector<double> table(PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * span * span);
   std::copy_n(own->begin(), PAD_TABLE_HEAD, table.begin());
   for (int i = 0; i <= n; ++i)

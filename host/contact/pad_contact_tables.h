@@ -36,15 +36,18 @@ class PadTables {
   /// None where a polynomial gives the tables.
   const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
-  /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE].
-  std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size) const;
+  /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE]. That of an object is added to the layer's.
+  std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size,
+                                                       const fem::SoftObject& object = {}) const;
   /// The same as a group shares it: [PAD_TABLE_HEAD], then [2 cells + 1][2 cells + 1][PAD_INFLUENCE].
-  std::vector<double> shared_influence(const PadCellSize& size) const;
+  std::vector<double> shared_influence(const PadCellSize& size, const fem::SoftObject& object = {}) const;
   /// [stress_rows][PAD_BLOCK]
   std::vector<double> stress() const;
 
  private:
+  std::shared_ptr<const std::vector<double>> of_layer(const PadCellSize& size) const;
   std::vector<double> make_influence(const PadCellSize& size) const;
+  std::vector<double> table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) const;
   std::vector<double> turned(const std::vector<double>& of) const;
   std::vector<double> between_rungs(const PadCellSize& size) const;
   /// The influence of cells with both sides on rungs, which is kept.

@@ -211,10 +211,12 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene*
       Rows rows{};
       rows[PAD_SEARCH_BY_FORCE] = force;
       rows[PAD_SEARCH_TARGET] = target(order[kind][lane]) / (force ? scene.sensor.young * H * H : H);
-      rows[PAD_SEARCH_NORMAL_FACTOR] = (1 - nu * nu) / std::numbers::pi;
+      const double normal = 1 - nu * nu, both = normal + fem::soft_object(scene.sensor, scene.indenter).normal();
+      rows[PAD_SEARCH_NORMAL_FACTOR] = both / std::numbers::pi;
       put_shape(scene.indenter, H, rows);
       if (const auto* map = std::get_if<fem::HeightMap>(&scene.indenter.shape)) at[lane] = maps.place(*map);
-      std::ranges::copy(state_->rest(nu), rows.begin() + PAD_SEARCH_REST);
+      std::ranges::transform(state_->rest(nu), rows.begin() + PAD_SEARCH_REST,
+                             [&](double of_layer) { return of_layer * (normal / both); });
       for (std::size_t row = 0; row < rows.size(); ++row)
         input[(lane / lanes * PAD_SEARCH_ROWS + row) * lanes + lane % lanes] = static_cast<Real>(rows[row]);
     }

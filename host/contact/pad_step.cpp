@@ -82,6 +82,10 @@ void check(const StepOptions& options) {
     if (!(number > 0 && number <= 0.1)) throw ValueError(key, fmt::format("{}", number), "above 0 and at most 0.1");
   };
   positive("tolerance", options.tolerance), positive("force_tolerance", options.force_tolerance);
+  if (options.object_young != 0 && !(options.object_young >= 1e-9 && options.object_young <= 1e12))
+    throw ValueError("object_young", fmt::format("{}", options.object_young), "1e-9 to 1e12 MPa, or 0 (rigid)");
+  if (!(options.object_poisson >= 0 && options.object_poisson <= 0.5))
+    throw ValueError("object_poisson", fmt::format("{}", options.object_poisson), "0 to 0.5");
   if (options.most_sweeps < 1) throw ValueError("most_sweeps", std::to_string(options.most_sweeps), "1 or more");
   if (options.most_solves < 1) throw ValueError("most_solves", std::to_string(options.most_solves), "1 or more");
 }
@@ -181,6 +185,7 @@ struct PadStepper<Real>::State {
     fem::validate(pad);
     options = with_grid(pad, given);
     check(options);
+    if (options.object_young > 0) object = {pad.young / options.object_young, options.object_poisson};
     cells = cells_of(options);
     const fem::Interval solvable = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
     for (const double cell : {cells.hx, cells.hy})
@@ -192,7 +197,8 @@ struct PadStepper<Real>::State {
       check_within(pad, options);
       sides = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual, StopScope::checker());
       if (pairs.empty())
-        pairs = pairs_of({fem::pad_layer(pad.poisson), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells);
+        pairs = pairs_of(
+            {fem::pad_layer(pad.poisson).beside(object), *sides, cells, Eigen::Matrix2d::Identity(), {0, 0}}, cells);
     }
     const Device& device = executor.device();
     const Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
@@ -224,8 +230,7 @@ struct PadStepper<Real>::State {
   }
 
   void check_count() const;
-  /// [state_head]
-  std::array<Real, state_head> head() const;
+  std::vector<Real> head() const;
   void check_state(std::span<const Real> numbers) const;
   void make_tables(const PairInfluence& pairs);
   void make_arrays();
@@ -240,6 +245,7 @@ struct PadStepper<Real>::State {
   Executor& executor;
   fem::PadSensor pad;
   StepOptions options;
+  fem::SoftObject object{};
   std::size_t count, width = 1, places = 0;  ///< places: contacts with those that fill up a work-item
   int vectors = 1;
   fem::PadCells cells;
@@ -263,14 +269,14 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   };
   const int most = std::max(cells.n, cells.ny());
   const PadTables tables(pad.poisson, most, true);
-  std::vector<double> influence = of_offsets(tables.shared_influence(cell_size(cells, H)), most, cells);
+  std::vector<double> influence = of_offsets(tables.shared_influence(cell_size(cells, H), object), most, cells);
   root_zz = influence[PAD_ROOT_ZZ], root_tt = influence[PAD_ROOT_TT];
   if (!pairs.empty()) {
     check_size("pairs", pairs.size(), 9 * cell_count() * cell_count());
     influence = table_of_pairs(pairs, influence, H);
   }
   table = Buffer<Real>(device(), std::span<const Real>(real(influence)));
-  const StickingDisc disc(*tables.layer());
+  const StickingDisc disc(tables.layer()->beside(object));
   kt = disc.kt, kr = disc.kr;
   const TactelPoints points(pad);
   const std::size_t parts = points.weights.size(), tactels = static_cast<std::size_t>(points.places.rows()) / parts;
@@ -369,13 +375,12 @@ void PadStepper<Real>::State::check_count() const {
 }
 
 template <class Real>
-std::array<Real, state_head> PadStepper<Real>::State::head() const {
+std::vector<Real> PadStepper<Real>::State::head() const {
   const double H = pad.thickness;
-  std::array<double, state_head> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson};
+  std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson, 0, 0};
   if (sides) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
-  std::array<Real, state_head> head;
-  std::ranges::transform(all, head.begin(), [](double number) { return static_cast<Real>(number); });
-  return head;
+  if (object.softness > 0) all.insert(all.end(), {object.softness, object.poisson});
+  return {all.begin(), all.end()};
 }
 
 /// The state that begins with these numbers.
@@ -384,10 +389,13 @@ void PadStepper<Real>::State::check_state(std::span<const Real> numbers) const {
   const auto own = head();
   const auto text = [](std::span<const Real> of) {
     std::string words = fmt::format("{} x {} cells of {:.6g} x {:.6g} H, nu {:.6g}", of[0], of[1], of[2], of[3], of[4]);
-    return of[state_length] > 0 ? words + fmt::format(", sides {:.6g} x {:.6g} H", of[5], of[6]) : words;
+    if (of[state_length] > 0) words += fmt::format(", sides {:.6g} x {:.6g} H", of[5], of[6]);
+    return of.size() > state_head ? words + fmt::format(", objects {:.6g} times as soft, nu {:.6g}", of[7], of[8])
+                                  : words;
   };
   if (numbers.size() < own.size() || !std::ranges::equal(own, numbers.first(own.size())))
-    throw ValueError("state", numbers.size() < own.size() ? "too few numbers" : "one of " + text(numbers),
+    throw ValueError("state",
+                     numbers.size() < own.size() ? "too few numbers" : "one of " + text(numbers.first(own.size())),
                      "one of " + text(own));
   if (numbers.size() < own.size() + rows()) check_size("state", numbers.size(), own.size() + rows());
   for (const Real number : numbers.subspan(own.size(), rows()))
@@ -477,7 +485,7 @@ std::size_t PadStepper<Real>::lanes() const {
 }
 template <class Real>
 std::size_t PadStepper<Real>::state_rows() const {
-  return state_head + state_->rows();
+  return state_->head().size() + state_->rows();
 }
 
 template <class Real>
@@ -619,7 +627,7 @@ void PadStepper<Real>::set_state(std::span<const Real> numbers, std::span<const 
   const auto all = s.state.map();
   for (std::size_t c = 0; c < given; ++c)
     for (std::size_t k = 0; k < s.rows(); ++k)
-      all[s.at(contacts.empty() ? c : contacts[c], k, s.rows())] = numbers[c * rows + state_head + k];
+      all[s.at(contacts.empty() ? c : contacts[c], k, s.rows())] = numbers[(c + 1) * rows - s.rows() + k];
 }
 
 template <class Real>

@@ -18,7 +18,7 @@ namespace tactel::host {
 /// rubber, with its sides where they are free.
 using PairInfluence = std::vector<double>;
 
-/// What the state of a contact begins with: lengths over H.
+/// What the state of a contact begins with: lengths over H. With a soft object its softness and Poisson's ratio follow.
 enum PadStateHead {
   state_cells_x,
   state_cells_y,

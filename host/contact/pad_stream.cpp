@@ -41,9 +41,9 @@ class OnPads final : public SensorSolver<PadContacts> {
 /// Solves by the twin what the kernel did not.
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
-  const bool free_sides = fem::has_free_sides(scene.sensor);
-  const auto layer = free_sides ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene.sensor.poisson))
-                                : contact.layer(scene.sensor.poisson);
+  const bool own_layer = fem::has_free_sides(scene.sensor) || scene.indenter.young;
+  const auto layer =
+      own_layer ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene)) : contact.layer(scene.sensor.poisson);
   fem::PadOptions exact = contact.options();
   exact.tolerance = std::min(exact_tolerance, exact.tolerance);
   exact.most_sweeps = fem::PadOptions{}.most_sweeps, exact.most_growths = fem::PadOptions{}.most_growths;

@@ -92,7 +92,7 @@ class PadFigure {
  private:
   double side() const { return std::sqrt(cells_.area()); }
   Eigen::MatrixX2d outline() const {
-    return on_pad(scene_.indenter, section_outline(scene_.indenter, step_.indentation));
+    return on_pad(scene_.indenter, section_outline(fem::over_skin(scene_.indenter, scene_.sensor), step_.indentation));
   }
   Eigen::MatrixX2d corners() const { return cell_corners(scene_.indenter, cells_); }
 

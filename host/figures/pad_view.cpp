@@ -75,7 +75,8 @@ class PadBuilder {
     const auto index = static_cast<std::size_t>(at - depths_.begin());
     if (at == depths_.end()) {
       depths_.push_back(depth);
-      outlines_.push_back(points(on_pad(scene_.indenter, section_outline(scene_.indenter, depth))));
+      outlines_.push_back(
+          points(on_pad(scene_.indenter, section_outline(fem::over_skin(scene_.indenter, scene_.sensor), depth))));
     }
     return index;
   }

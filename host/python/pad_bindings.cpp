@@ -36,40 +36,49 @@ void bind_pad_shapes(py::module_& m) {
 
 void bind_pad_sensor(py::module_& m) {
   py::enum_<Sides>(m, "Sides", "Sides of a pad.").value("free", Sides::free).value("held", Sides::held);
-  auto pad = value_class<Pad>(
-      m, "Pad", "A layer of rubber with tactels along x and y.",
-      {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width", "sides"});
+  auto pad = value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
+                              {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length",
+                               "width", "sides", "curvature_radius"});
   add_fields(pad);
   pad.def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
                       Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
-                      std::optional<double> length, std::optional<double> width, Sides sides) {
+                      std::optional<double> length, std::optional<double> width, Sides sides,
+                      std::optional<double> curvature_radius) {
             const double* both = std::get_if<double>(&pitch);
-            return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
-                       tactel_size, axes,
-                       thickness,   young,
-                       poisson,     length,
-                       width,       sides};
+            return Pad{tactels,         both ? Pair{*both, *both} : std::get<Pair>(pitch),
+                       tactel_size,     axes,
+                       thickness,       young,
+                       poisson,         length,
+                       width,           sides,
+                       curvature_radius};
           }),
           "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
           "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(), "sides"_a = Sides::free,
+          "curvature_radius"_a = py::none(),
           "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
           "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known; "
           "sides: of "
-          "a pad whose length and width are given, free, or held as if the rubber went on.");
+          "a pad whose length and width are given, free, or held as if the rubber went on; curvature_radius: mm, of "
+          "the skin, None where it is flat.");
   value_class<PadIndenter>(m, "PadIndenter", "A shape on a pad: its place, and how it is turned.",
-                           {"shape", "position", "yaw", "tilt", "tilt_direction"})
-      .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction) {
-             return PadIndenter{std::move(shape), position, yaw, tilt, tilt_direction};
+                           {"shape", "position", "yaw", "tilt", "tilt_direction", "young", "poisson"})
+      .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction,
+                       std::optional<double> young, double poisson) {
+             return PadIndenter{std::move(shape), position, yaw, tilt, tilt_direction, young, poisson};
            }),
            "shape"_a, "position"_a = Pair{0, 0}, "yaw"_a = 0.0, "tilt"_a = 0.0, "tilt_direction"_a = 0.0,
+           "young"_a = py::none(), "poisson"_a = 0.45,
            "position: (x, y) mm, (0, 0) in the pad's middle; yaw: degrees about z; tilt: degrees, of Punch and Box, "
            "whose "
-           "bottom rises along tilt_direction (degrees from x of the turned shape).")
+           "bottom rises along tilt_direction (degrees from x of the turned shape); young: MPa, None for a rigid "
+           "object; poisson: of a soft one.")
       .def_readonly("shape", &PadIndenter::shape)
       .def_readonly("position", &PadIndenter::position, "mm, (x, y)")
       .def_readonly("yaw", &PadIndenter::yaw, "degrees")
       .def_readonly("tilt", &PadIndenter::tilt, "degrees")
-      .def_readonly("tilt_direction", &PadIndenter::tilt_direction, "degrees");
+      .def_readonly("tilt_direction", &PadIndenter::tilt_direction, "degrees")
+      .def_readonly("young", &PadIndenter::young, "MPa; None: rigid")
+      .def_readonly("poisson", &PadIndenter::poisson);
 }
 
 void bind_pad_load(py::module_& m) {

@@ -187,20 +187,23 @@ void bind_steps(py::module_& m) {
   stepper
       .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, const GivenXY<int>& cells,
                        const GivenXY<double>& cell, double tolerance, double force_tolerance, int most_solves,
-                       Precision precision, const std::string& device) {
+                       Precision precision, const std::string& device, double object_young, double object_poisson) {
              StepOptions options;
              options.cells = along_xy(cells), options.cell = along_xy(cell), options.tolerance = tolerance;
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
+             options.object_young = object_young, options.object_poisson = object_poisson;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
              return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
            "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
+           "object_young"_a = 0.0, "object_poisson"_a = 0.45,
            "friction: [count], or one number; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
            "[x, y]; cell: mm, one side or [x, y]; tolerance: of the sweeps; force_tolerance: of a wrench, over P; "
            "most_solves: poses that a step by wrench may solve. By default cells cover a pad whose sides are free, "
-           "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free.")
+           "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free. "
+           "object_young: MPa, of soft objects, 0 for rigid ones; object_poisson: of soft ones.")
       .def("__len__", [](const Stepper& self) { return self.steps.count(); })
       .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
       .def_property_readonly(

@@ -29,6 +29,14 @@ void each_column(const T& from, const Use& use) {
   });
 }
 
+/// Those of an indenter; of soft ones where some are.
+template <class Indenter, class Use>
+void indenter_columns(const Indenter& indenter, bool soft, const Use& use) {
+  each_column(indenter, [&](std::string_view key, auto... others) {
+    if (soft || (key != "young" && key != "poisson")) use(key.data(), others...);
+  });
+}
+
 /// The columns of a shape but for the coefficients of a Taylor shape. Their keys depend on the type alone.
 template <class S, class Use>
 void shape_columns(const S& shape, const Use& use) {
@@ -85,7 +93,9 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
       return add(table + key + axis, unit);
     };
   };
-  each_column(scenes[0].indenter, add_to("indenter."));
+  if constexpr (requires { scenes[0].indenter.young; })
+    soft_ = std::ranges::any_of(scenes, [](const Scene& scene) { return scene.indenter.young.has_value(); });
+  indenter_columns(scenes[0].indenter, soft_, add_to("indenter."));
   add("contact.friction", "1");
   std::set<int> powers;
   for (const Scene& scene : scenes) {
@@ -119,7 +129,7 @@ void ContactParametersOf<Scene>::put(const Scene& scene, std::uint16_t kind, std
   const auto put = [&](std::size_t column, double value) { row[column] = static_cast<float>(value); };
   std::size_t next = 0;
   put(next++, kind);
-  each_column(scene.indenter, [&](auto, auto, auto, double value) { put(next++, value); });
+  indenter_columns(scene.indenter, soft_, [&](auto, auto, auto, double value) { put(next++, value); });
   put(next, scene.friction);
   const Shape& shape = scene.indenter.shape;
   const auto* column = of_shape_[shape.index()].data();

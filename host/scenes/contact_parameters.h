@@ -37,6 +37,7 @@ class ContactParametersOf {
   std::size_t add(const std::string& name, const std::string& unit);
 
   std::vector<Column> columns_;
+  bool soft_ = false;  ///< some indenter of a pad is: all have columns for it
   /// [shapes] columns of the numbers of a shape, in their order
   std::array<std::array<std::size_t, most_of_a_shape>, std::variant_size_v<Shape>> of_shape_{};
   std::vector<int> powers_;           ///< of Taylor shapes, increasing

@@ -43,9 +43,10 @@ void read_pad_shape(TomlTable& in, const TomlFile& file, fem::HeightMap& map) {
 void read_pad_indenter(const TomlFile& file, fem::PadIndenter& indenter) {
   TomlTable in(file, "indenter");
   refuse_other_kind<fem::PadShape, fem::Shape>(in, {}, of_a_line);
-  indenter.shape = choose_shape<fem::PadShape>(in, {"shape", "position", "yaw"}).made;
+  indenter.shape = choose_shape<fem::PadShape>(in, {"shape", "position", "yaw", "young", "poisson"}).made;
   std::visit([&](auto& shape) { read_pad_shape(in, file, shape); }, indenter.shape);
   read_numbers(in, indenter, false);
+  if (in.has("poisson") && !indenter.young) in.refuse("poisson", "left out, or given with indenter.young");
   in.finish();
 }
 

@@ -52,6 +52,8 @@ SceneJson indenter_json(const Indenter& indenter) {
   add_numbers(out, indenter);
   if constexpr (requires { indenter.tilt; })
     if (!fem::tilts(indenter.shape)) out.erase("tilt"), out.erase("tilt_direction");
+  if constexpr (requires { indenter.young; })
+    if (!indenter.young) out.erase("poisson");  // rigid
   return out;
 }
 

@@ -33,7 +33,7 @@ void read_shape(TomlTable& in, const TomlFile& file, fem::Profile& profile, bool
 
 void read_indenter(const TomlFile& file, fem::Indenter& indenter, bool preset) {
   TomlTable in(file, "indenter");
-  refuse_other_kind<fem::Shape, fem::PadShape>(in, {"yaw"}, of_a_pad);
+  refuse_other_kind<fem::Shape, fem::PadShape>(in, {"yaw", "young", "poisson"}, of_a_pad);
   const auto& chosen = choose_shape(in, {"shape", "position"}, preset ? &indenter.shape : nullptr);
   const bool known = preset && chosen.name == fem::shape_name(indenter.shape);
   if (!known) indenter.shape = chosen.made;

@@ -330,9 +330,13 @@ void SweepReaderOf<Scene>::check_holds(const Source& source) const {
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
   const auto all = tables("indenter");
-  for (std::size_t i = 0; i < all.size(); ++i)
+  for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)
       throw file_.error("indenter.unevenness", all[i]->get("unevenness"), "left out, or given with [load.hold]");
+    if constexpr (!of_lines<Scene>)
+      if (any && source.indenter_.alternatives[i].scene.indenter.young)
+        throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
+  }
 }
 
 template <class Scene>

@@ -20,7 +20,9 @@ struct UsualRange {
 constexpr double shortest = 0.5, longest = 5000;
 constexpr UsualRange usual_young{"sensor.young", "MPa", 0.01, 100}, usual_thickness{"sensor.thickness", "mm", 0.05, 50},
     usual_length{"sensor.length", "mm", shortest, longest}, usual_width{"sensor.width", "mm", shortest, longest},
-    usual_radius{"indenter.radius", "mm", 0.05, longest}, usual_measured{"indenter's measured width", "mm", 0.1, 1000};
+    usual_radius{"indenter.radius", "mm", 0.05, longest}, usual_object{"indenter.young", "MPa", 0.001, 1000},
+    usual_curvature{"sensor.curvature_radius", "mm", shortest, longest},
+    usual_measured{"indenter's measured width", "mm", 0.1, 1000};
 
 /// Heights that were measured, [along x][along y] mm, over a width along the longer side; of a line one column.
 struct Measured {
@@ -107,6 +109,10 @@ class UnitWarnings {
     look(usual_length, scene.sensor.length, place);
     if constexpr (requires { scene.sensor.width; }) look(usual_width, scene.sensor.width, place);
     look(usual_radius, radius_of(scene.indenter.shape), place);
+    if constexpr (requires { scene.indenter.young; }) {
+      look(usual_object, scene.indenter.young, place);
+      look(usual_curvature, scene.sensor.curvature_radius, place);
+    }
     look(measured(scene.indenter.shape), depth_of(scene.load), place);
   }
   std::vector<std::string> take() { return std::move(all_); }

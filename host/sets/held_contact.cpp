@@ -102,7 +102,8 @@ void HeldContact::put_object(std::size_t k, std::span<double> heights, std::span
   axis = {indenter_.position[0] + place_[0], indenter_.position[1] + place_[1]};
   const double swing = hold_.frames[k].swing;
   const std::array<double, 2> middle{axis[0] + hold_.roll[0] * swing, axis[1] + hold_.roll[1] * swing};
-  const fem::PadSurface surface = fem::pad_surface(cells_, indenter_, middle, fem::degrees(place_[2]));
+  fem::PadSurface surface = fem::pad_surface(cells_, indenter_, middle, fem::degrees(place_[2]));
+  fem::add_skin(sensor_, cells_, surface.height);
   std::ranges::copy(surface.height, heights.begin());
   std::ranges::copy(surface.cover, cover.begin());
   if (hold_.rms > 0) hold_.face.add(cells_, middle, fem::radians(indenter_.yaw) + place_[2], heights);

@@ -31,9 +31,36 @@ class Values(unittest.TestCase):
         self.assertEqual(SPHERE.sensor.pitch, [1.0, 1.5])
         self.assertEqual(tactel.Pad(pitch=3).pitch, [3.0, 3.0])
         self.assertEqual(SPHERE.indenter, tactel.PadIndenter(tactel.Sphere(8.0)))
+        self.assertIsNone(SPHERE.indenter.young)
+        self.assertIsNone(SPHERE.sensor.curvature_radius)
         self.assertEqual(tactel.Scene(PAD).load, tactel.PadLoad())
         self.assertEqual(tactel.Scene().sensor, tactel.Sensor())
         SPHERE.validate()
+
+    def test_soft_objects_and_curved_skins(self):
+        soft = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), sensor=PAD.with_(curvature_radius=30.0))
+        self.assertEqual((soft.indenter.young, soft.indenter.poisson, soft.sensor.curvature_radius), (2.0, 0.3, 30.0))
+        self.assertEqual(pickle.loads(pickle.dumps(soft)), soft)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "soft.toml"
+            file.write_text(soft.toml())
+            self.assertEqual(tactel.read_scene(file), soft)
+            self.assertNotIn("curvature_radius", SPHERE.toml())
+            self.assertEqual(SPHERE.toml().count("poisson"), 1)
+        rigid, gives_way = (tactel.solve(scene, precision="fp64").P[-1] for scene in (SPHERE, soft))
+        self.assertLess(gives_way, 0.8 * rigid)
+        with self.assertRaisesRegex(tactel.InputError, "indenter.young"):
+            SPHERE.with_(indenter=SPHERE.indenter.with_(young=-1.0)).validate()
+
+    def test_steps_of_soft_objects(self):
+        """A step is the press of the scene, but for its cells."""
+        scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))
+        steps = tactel.PadStepper(PAD, 1, 0.5, cells=16, cell=0.25, object_young=2.0, object_poisson=0.3)
+        steps.shapes(tactel.Sphere(8.0))
+        out = steps.move([[0.2, 0, 0, 0]])
+        self.assertAlmostEqual(out.force[0, 0] / tactel.solve(scene, precision="fp64").P[0], 1, delta=0.02)
+        with self.assertRaisesRegex(tactel.InputError, "young"):
+            steps.shapes(scene.indenter)
 
     def test_loads_of_a_pad(self):
         load = tactel.Force(3).drag((0.1, 0), steps=2).turn(4, steps=1).drag_to([(0, 0.5)])

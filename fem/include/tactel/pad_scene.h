@@ -14,19 +14,20 @@ enum class Sides { free, held };
 
 /// The rubber and its tactels.
 struct Pad {
-  std::array<int, 2> tactels{4, 4};         ///< along x and y
-  std::array<double, 2> pitch{4.7, 4.7};    ///< mm, from tactel to tactel; the array is centred
-  double tactel_size = 0;                   ///< mm: side of the square over which a tactel takes the mean; 0: a point
-  int axes = 3;                             ///< 3, or 1: tactels that measure the normal stress alone
-  double thickness = 2.0;                   ///< mm
-  double young = 2.0;                       ///< MPa
-  double poisson = 0.45;                    ///< 0 <= poisson <= 0.5
-  std::optional<double> length{}, width{};  ///< mm: the rubber along x and y; none: not known
-  Sides sides = Sides::free;                ///< where length and width are given; else they are held
+  std::array<int, 2> tactels{4, 4};          ///< along x and y
+  std::array<double, 2> pitch{4.7, 4.7};     ///< mm, from tactel to tactel; the array is centred
+  double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
+  int axes = 3;                              ///< 3, or 1: tactels that measure the normal stress alone
+  double thickness = 2.0;                    ///< mm
+  double young = 2.0;                        ///< MPa
+  double poisson = 0.45;                     ///< 0 <= poisson <= 0.5
+  std::optional<double> length{}, width{};   ///< mm: the rubber along x and y; none: not known
+  Sides sides = Sides::free;                 ///< where length and width are given; else they are held
+  std::optional<double> curvature_radius{};  ///< mm, of the skin, which stands out in its middle; none: flat
   bool operator==(const Pad&) const = default;
 };
 
-// Shapes of a rigid indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
+// Shapes of an indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
 
 /// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
 struct Sphere {

@@ -26,8 +26,10 @@ struct StepOptions {
   double force_tolerance = 2e-3;  ///< of a wrench, over its P
   int most_sweeps = 400;          ///< of a pose
   int most_solves = 16;           ///< poses that a step by wrench may solve
-  std::string precision{};        ///< "fp32", "fp64"; empty: fp32
-  std::string device{};           ///< name or index of an OpenCL device; empty: the default device
+  double object_young = 0;        ///< MPa, of the objects, as of PadIndenter; 0: rigid
+  double object_poisson = 0.45;
+  std::string precision{};  ///< "fp32", "fp64"; empty: fp32
+  std::string device{};     ///< name or index of an OpenCL device; empty: the default device
 };
 
 /// What a step says of a contact, a sum of these.

@@ -105,7 +105,7 @@ ContactSolution by_cells(const fem::PadSolution& pad) {
 
 Answers on_pad(Executor& executor, const fem::PadScene& scene) {
   PadModel model = model_of(usual_pad_rung());
-  const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(scene);
   const fem::PadSolver twin(layer,
                             {.tolerance = twin_tolerance, .pressing_increments = model.options.pressing_increments});
   ContactSolution reference;

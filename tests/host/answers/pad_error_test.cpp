@@ -223,6 +223,46 @@ TEST(PadStrain, CoversWhatNeoHookeanRubberAdds) {
   EXPECT_PRED2(covers, at(fem::Sphere{20}, 1, 0.15, 2.45), 0.054);
 }
 
+// A soft object takes its part of the depth: of equal rubber half at least, on a thin skin nearly all.
+TEST(PadStrain, OfSoftObjectsIsThatOfThePadsPart) {
+  fem::PadScene scene = scene_of(2, 0.45, 0.5, turned(fem::Box{{2, 1.4}, 0}, 0), 0.16, {});
+  scene.indenter.young = scene.sensor.young, scene.indenter.poisson = 0.45;
+  const PadOutcome soft = by_twin(scene, "pad-12");
+  EXPECT_LE(soft.error.value().strain, 1.6 * 0.04 + 1e-9);
+  EXPECT_GT(soft.error->strain, 1.6 * 0.02);
+  EXPECT_THAT(warnings(soft), IsEmpty());
+  scene.indenter.young.reset();
+  EXPECT_THAT(warnings(by_twin(scene, "pad-12")), testing::ElementsAre(HasSubstr("8 % of the thickness")));
+  fem::PadScene thin = scene_of(0.2, 0.45, 0.5, turned(fem::Sphere{30}, 0), 0.3, {});
+  thin.indenter.young = thin.sensor.young, thin.indenter.poisson = 0.3;
+  const PadOutcome fruit = by_twin(thin, "pad-12");
+  EXPECT_LT(deepest(thin, fruit.solution), 0.06);
+  EXPECT_THAT(warnings(fruit), Not(testing::Contains(HasSubstr("of the thickness"))));
+}
+
+// P of the flat layer over that of the curved one, nu 0.48, at depths of 0.06 and 0.15 H, by CalculiX.
+TEST(PadCurvature, ErrorsCoverWhatTheFlatLayerBearsMore) {
+  for (const auto& [radius, shallow, deep] : {std::tuple{5, 0.10, 0.14}, {10, 0.06, 0.07}, {20, 0.03, 0.03}}) {
+    const double said = curvature_error({.thickness = 2, .curvature_radius = 2.0 * radius});
+    EXPECT_GE(said, deep - 1e-12) << radius;
+    EXPECT_LE(said, 1.5 * shallow) << radius;
+  }
+  EXPECT_EQ(curvature_error({}), 0);
+}
+
+TEST(PadCurvature, IsStatedAndWarnedOf) {
+  fem::PadScene scene = scene_of(2, 0.45, 0.5, turned(fem::Sphere{8}, 0), 0.2, {});
+  scene.sensor.pitch = {2, 2};
+  const double flat = by_twin(scene, "pad-12").error.value().expected.P;
+  scene.sensor.curvature_radius = 20;
+  const PadOutcome curved = by_twin(scene, "pad-12");
+  EXPECT_GT(curved.error.value().expected.P, flat + 0.06);
+  EXPECT_THAT(warnings(curved),
+              testing::ElementsAre(testing::AllOf(HasSubstr("10 thicknesses"), HasSubstr("7 % too much"))));
+  scene.sensor.curvature_radius = 40;
+  EXPECT_THAT(warnings(by_twin(scene, "pad-12")), IsEmpty());
+}
+
 TEST(PadStrain, IsStatedAndWarnedOf) {
   const auto of = [](double depth) {
     return by_twin(scene_of(2, 0.45, 0.5, turned(fem::Box{{2, 1.4}, 0}, 0), depth, {}), "pad-12");

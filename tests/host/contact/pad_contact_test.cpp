@@ -12,6 +12,7 @@
 #include <numeric>
 #include <random>
 
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_stream.h"
@@ -206,6 +207,58 @@ TEST(PadContact, VectorsInHalvesDoNotChangeBits) {
   const auto a = ran(PadContact<float>(whole, {.cells = 12}), scenes),
              b = ran(PadContact<float>(halves, {.cells = 12}), scenes);
   for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
+}
+
+/// Scenes of objects each of its own rubber, rigid ones and curved skins among them.
+std::vector<fem::PadScene> soft_mix(std::size_t count, unsigned seed) {
+  std::vector<fem::PadScene> scenes = mix(sensor_of(0.45), count, seed);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto k = static_cast<double>(i);
+    if (i % 5 != 0) scenes[i].indenter.young = 0.1 * std::exp2(k / 3), scenes[i].indenter.poisson = 0.05 * (i % 11);
+    if (i % 3 == 0) scenes[i].sensor.curvature_radius = 10 + k, scenes[i].indenter.position = {0.1 * (i % 7), -0.3};
+    if (i % 4 == 1) scenes[i].sensor.poisson = 0.3 + 0.02 * (i % 9);
+  }
+  return scenes;
+}
+
+template <class Real>
+void expect_soft_twins(const fem::PadOptions& options, double near) {
+  const auto scenes = soft_mix(36, 8);
+  const auto batch = ran(PadContact<Real>(executor(), options), scenes);
+  fem::PadOptions exact = options;
+  exact.tolerance = std::min(1e-7, options.tolerance);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadLayer layer = fem::pad_layer(scenes[i]);
+    const fem::PadSolution a = batch.solution(i),
+                           b = fem::PadSolver(layer, exact).solve_on(batch.cells(i), batch.scene(i));
+    for (std::size_t k = 0; k < b.steps.size(); ++k) {
+      const fem::PadStep &p = a.steps[k], &q = b.steps[k];
+      EXPECT_TRUE(p.converged) << i << " " << k << ": " << p.residual.largest();
+      EXPECT_NEAR(p.P / q.P, 1, near) << i << " " << k;
+      EXPECT_LE((p.Q - q.Q).norm(), 3 * near * scenes[i].friction * q.P) << i << " " << k;
+      EXPECT_NEAR(*p.slip_index, *q.slip_index, 1e-3 + near) << i << " " << k;
+      EXPECT_LE((p.stress - q.stress).cwiseAbs().maxCoeff(), (1e-3 + near) * q.stress.cwiseAbs().maxCoeff()) << i;
+    }
+  }
+}
+
+TEST(PadContactSoft, AgreesWithItsTwin) {
+  expect_soft_twins<double>({.cells = 8, .tolerance = 1e-8}, 1e-8);
+  expect_soft_twins<double>({.cells = 8, .tolerance = 1e-8, .any_poisson = true}, 1e-6);
+  expect_soft_twins<float>({.cells = 12}, 1e-3);
+}
+
+TEST(PadContactSoft, SameBitsInAnyOrderBatchAndThreads) {
+  const auto scenes = soft_mix(50, 9);
+  Executor single{Device(), {.threads = 1}};
+  const auto batch = ran(PadContact<float>(executor(), {.cells = 8}), scenes);
+  std::vector<fem::PadScene> backwards(scenes.rbegin(), scenes.rend());
+  const auto other = ran(PadContact<float>(single, {.cells = 8}), backwards);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    ASSERT_EQ(numbers<float>(other, scenes.size() - 1 - i, 9), numbers<float>(batch, i, 9)) << i;
+  for (const std::size_t i : {0u, 3u, 17u})
+    EXPECT_EQ(numbers<float>(ran(PadContact<float>(executor(), {.cells = 8}), std::span(&scenes[i], 1)), 0, 1),
+              numbers<float>(batch, i, 1));
 }
 
 TEST(PadContact, ReachesGivenForcesAsItsTwin) {

@@ -78,11 +78,13 @@ struct Near {
 };
 
 template <class Real>
-void expect_twin(double H, double poisson, int cells, double tolerance, double twin_tolerance, const Near& near) {
-  const std::vector<fem::PadScene> scenes = scenes_on(H, poisson);
+void expect_twin(double H, double poisson, int cells, double tolerance, double twin_tolerance, const Near& near,
+                 std::optional<double> young = {}) {
+  std::vector<fem::PadScene> scenes = scenes_on(H, poisson);
+  for (fem::PadScene& scene : scenes) scene.indenter.young = young;
   const PadContact<Real> contact(executor(), {.cells = cells, .tolerance = tolerance});
   const auto batch = ran(contact, scenes);
-  const fem::PadLayer layer = fem::pad_layer(poisson);
+  const fem::PadLayer layer = fem::pad_layer(scenes[0]);
   const fem::PadSolver twin(layer, {.cells = cells, .tolerance = twin_tolerance});
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const std::string what =
@@ -114,6 +116,10 @@ TEST(PadFreeContact, AgreesWithItsTwinInFp32) {
 
 TEST(PadFreeContact, AgreesWithItsTwinInFp64) {
   expect_twin<double>(4.5, 0.48, 8, 1e-7, 1e-8, {1e-6, 1e-3, 1e-6, 1e-3});  // S: four rounds of the margin
+}
+
+TEST(PadFreeContact, SoftObjectsAgreeWithTheTwin) {
+  expect_twin<double>(4.5, 0.48, 8, 1e-7, 1e-8, {1e-6, 1e-3, 1e-6, 1e-3}, 0.5);
 }
 
 /// All numbers of a scene's answer.

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <random>
 
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
@@ -102,6 +103,21 @@ TEST(PadSearch, FindsTheTwinsContactsInFp64) {
   ASSERT_TRUE(executor().device().info().fp64);
   const auto scenes = mix(180, 22);
   expect_like_the_twin(Difference(scenes, PadSearch<double>(executor()).find(scenes)), 1e-13);
+}
+
+TEST(PadSearch, FindsTheTwinsContactsOfSoftObjects) {
+  auto scenes = mix(90, 24);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    scenes[i].indenter.young = scenes[i].sensor.young * std::exp2(static_cast<double>(i) / 9 - 5);
+    scenes[i].indenter.poisson = 0.05 * static_cast<double>(i % 11);
+  }
+  const auto found = PadSearch<double>(executor()).find(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadSearch twin = fem::find_pad_contact(scenes[i], fem::pad_layer(scenes[i]));
+    EXPECT_NEAR(found[i].P / twin.P, 1, 5e-3) << i;
+    EXPECT_NEAR(found[i].contact.x.right, twin.contact.x.right, 0.15 * (twin.contact.x.right - twin.contact.x.left))
+        << i;
+  }
 }
 
 /// Depths follow the forces: what rounding and the sweeps leave of P, 1e-3, is 1e-3 of the depth at most.

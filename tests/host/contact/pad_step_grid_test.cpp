@@ -64,6 +64,35 @@ TEST(PadStepGrid, AgreesWithItsTwin) {
     EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
 }
 
+TEST(PadStepGrid, SoftObjectsAgreeWithTheTwin) {
+  StepOptions options = oblong;
+  options.object_young = 0.4 * rubber.young, options.object_poisson = 0.3;
+  PadStepper<double> steps(executor(), rubber, 1, std::array{0.5}, options);
+  const fem::PadCells& cells = steps.cells();
+  const fem::PadLayer layer = fem::pad_layer(rubber.poisson).beside({2.5, 0.3});
+  fem::SteppedContact twin(layer, rubber, cells, 0.5, {.cells = 6, .tolerance = 1e-8, .accept = 1e-6}),
+      rigid(fem::pad_layer(rubber.poisson), rubber, cells, 0.5, {.cells = 6, .tolerance = 1e-8, .accept = 1e-6});
+  const fem::PadSurface surface = fem::pad_surface(cells, {.shape = fem::Sphere{2}}, {0.1, -0.05}, 0);
+  steps.set_surface(0, surface), steps.set_axes(std::array{0.1, -0.05});
+  twin.set_surface(surface, {0.1, -0.05}), rigid.set_surface(surface, {0.1, -0.05});
+  for (int k = 1; k <= 4; ++k) {
+    const double depth = std::min(0.05 * k, 0.1), x = 0.02 * std::max(k - 2, 0);
+    steps.move(Pose{depth, x, 0, 0});
+    const fem::SteppedState state = twin.move(depth, {x, 0, 0});
+    for (int row = 0; row < 4; ++row)
+      EXPECT_NEAR(number(steps, 0, STEP_RESULT_P + row), state.force[row], 1e-5 * state.force[0]);
+    EXPECT_LT(2 * state.force[0], rigid.move(depth, {x, 0, 0}).force[0]);
+  }
+  steps.press(Pose{number(steps, 0, STEP_RESULT_P), 0, 0, 0});
+  EXPECT_EQ(flags(steps) & STEP_UNMET, 0);
+  PadStepper<double> others(executor(), rubber, 1, std::array{0.5}, oblong);
+  const std::vector<double> state = steps.state();
+  EXPECT_EQ(state.size(), others.state_rows() + 2);
+  EXPECT_THROW(others.set_state(state), ValueError);
+  EXPECT_NO_THROW(steps.set_state(state));
+  EXPECT_THROW(steps.set_state(others.state()), ValueError);
+}
+
 /// A quarter turn of pad, grid, object and way turns forces and frames.
 TEST(PadStepGrid, TurnsWithItsPad) {
   const fem::PadSensor turned{.tactels = {3, 4}, .pitch = {1.2, 1.5}, .thickness = 2, .young = 1, .poisson = 0.48};

@@ -258,6 +258,9 @@ TEST(PadStep, SaysWhatItDoesNotServe) {
   EXPECT_THROW(made({.cells = 3}, one), ValueError);
   EXPECT_THROW(made({.cell = 0}, one), ValueError);
   EXPECT_THROW(made({.tolerance = -1}, one), ValueError);
+  EXPECT_THROW(made({.object_young = -1}, one), ValueError);
+  EXPECT_THROW(made({.object_young = std::nan("")}, one), ValueError);
+  EXPECT_THROW(made({.object_young = 1, .object_poisson = 0.6}, one), ValueError);
   EXPECT_THROW(made({}, std::array{0.5, -0.1, 0.5}), ValueError);
   EXPECT_THROW(made({}, std::array{0.5, 0.5}), ValueError);
 }

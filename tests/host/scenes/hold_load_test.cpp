@@ -239,6 +239,8 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("[load.hold]")));
   EXPECT_THAT(message_of<PadSource>(rubber + "unevenness = 0.1\n[load]\nnormal_force = 2\n[load.hold]\n"),
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("{ rms = ..., length = ... }")));
+  EXPECT_THAT(message_of<PadSource>(rubber + "young = 1\n[load]\nnormal_force = 2\n[load.hold]\n"),
+              AllOf(HasSubstr("indenter.young"), HasSubstr("left out with [load.hold]")));
   std::string own = head;
   own.replace(own.find("thickness = 4"), 13, "thickness = { uniform = [3, 5] }");
   EXPECT_THAT(message_of<PadSource>(own), AllOf(HasSubstr("sweep.sensors"), HasSubstr("which grips share")));

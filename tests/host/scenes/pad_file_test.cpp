@@ -57,6 +57,8 @@ position = [1.0, -0.5]
 yaw = 30.0
 tilt = 2.0
 tilt_direction = 90.0
+young = 1.5
+poisson = 0.3
 [contact]
 friction = 0.8
 [load]
@@ -82,6 +84,8 @@ twist = [0.0, 5.0]
   EXPECT_EQ(scene.indenter.yaw, 30);
   EXPECT_EQ(scene.indenter.tilt, 2);
   EXPECT_EQ(scene.indenter.tilt_direction, 90);
+  EXPECT_EQ(scene.indenter.young, 1.5);
+  EXPECT_EQ(scene.indenter.poisson, 0.3);
   EXPECT_EQ(scene.friction, 0.8);
   EXPECT_EQ(scene.load.indentation, (std::vector{0.1, 0.3}));
   EXPECT_EQ(scene.load.indentation_steps, 2);
@@ -95,7 +99,11 @@ TEST(PadFile, WhatIsLeftOutTakesItsDefault) {
   EXPECT_EQ(scene.sensor.tactels, (std::array{4, 4}));
   EXPECT_EQ(scene.sensor.pitch, (std::array{4.7, 4.7}));
   EXPECT_EQ(scene.sensor.axes, 3);
-  EXPECT_FALSE(scene.sensor.length || scene.sensor.width);
+  EXPECT_FALSE(scene.sensor.length || scene.sensor.width || scene.sensor.curvature_radius || scene.indenter.young);
+  EXPECT_EQ(
+      read_text(pad_text("shape = \"cone\"\nangle = 80", "indentation = 0.1", "thickness = 2\ncurvature_radius = 15"))
+          .sensor.curvature_radius,
+      15);
   EXPECT_EQ(scene.friction, 0.5);
   EXPECT_EQ(scene.indenter.position, (std::array{0.0, 0.0}));
   EXPECT_TRUE(scene.load.drags.empty());
@@ -225,6 +233,18 @@ TEST(PadFile, SaysWhatIsWrong) {
       {"", "shape = \"cone\"\nangle = 90", "", ":6: indenter.angle = 90"},
       {"", "shape = \"sphere\"\nradius = 1e308", "", ":6: indenter.radius = 1e308"},
       {"", "shape = \"punch\"\nradius = 2\ntilt = 60", "", ":7: indenter.tilt = 60"},
+      {"", "shape = \"sphere\"\nradius = 8\nyoung = nan", "", ":7: indenter.young = nan: must be finite"},
+      {"", "shape = \"sphere\"\nradius = 8\nyoung = -1", "", ":7: indenter.young = -1: must be a Young's modulus"},
+      {"", "shape = \"sphere\"\nradius = 8\nyoung = 0", "", ":7: indenter.young = 0: must be a Young's modulus"},
+      {"", "shape = \"sphere\"\nradius = 8\nyoung = 1\npoisson = 0.6", "",
+       ":8: indenter.poisson = 0.6: must be a Poisson's"},
+      {"", "shape = \"sphere\"\nradius = 8\npoisson = 0.3", "",
+       ":7: indenter.poisson = 0.3: must be left out, or given with"},
+      {"thickness = 2\ncurvature_radius = 9", "", "", ":4: sensor.curvature_radius = 9: must be 5 thicknesses or more"},
+      {"thickness = 2\ncurvature_radius = -10", "", "", ":4: sensor.curvature_radius = -10"},
+      {"thickness = 2\ncurvature_radius = nan", "", "", ":4: sensor.curvature_radius = nan: must be finite"},
+      {"thickness = 2\ncurvature_radius = 20\nlength = 20\nwidth = 20", "", "",
+       ":4: sensor.curvature_radius = 20: must be left out where sides are free; or sensor.sides = \"held\""},
       {"", "", "tangential_steps = 3", ": load.indentation = (missing)"},
       {"", "", "indentation = []", ":8: load.indentation = []"},
       {"", "", "indentation = -1", ":8: load.indentation = -1"},
@@ -276,6 +296,7 @@ TEST(PadFile, KeysOfAPadInALine) {
   EXPECT_THAT(message("", "shape = \"sphere\"\nradius = 4", ""),
               AllOf(HasSubstr("indenter.shape = \"sphere\""), of_a_pad));
   EXPECT_THAT(message("", "shape = \"flat\"\nyaw = 4", ""), AllOf(HasSubstr("indenter.yaw = 4"), of_a_pad));
+  EXPECT_THAT(message("", "shape = \"flat\"\nyoung = 4", ""), AllOf(HasSubstr("indenter.young = 4"), of_a_pad));
   EXPECT_THAT(message("", "shape = \"flat\"", "twist = [4]"), AllOf(HasSubstr("load.twist = [4]"), of_a_pad));
   EXPECT_THAT(message("kind = \"pad\"", "shape = \"flat\"", ""),
               HasSubstr(":2: sensor.kind = \"pad\": must be \"line\" here: scenes of pads are for solve, simulate:"));

@@ -112,6 +112,35 @@ TEST(PadSource, ParametersAreTheNumbersOfTheContacts) {
   }
 }
 
+TEST(PadSource, DrawsSoftObjects) {
+  const std::string soft = sphere + "young = { log_uniform = [0.1, 10] }\npoisson = { uniform = [0.3, 0.5] }\n";
+  const PadSource sweep = pads(head + sensor + soft + press);
+  const auto parameters = sweep.parameters();
+  std::set<double> youngs;
+  for (std::uint64_t k = 0; k < 50; ++k) {
+    const auto [scene, kind] = sweep.contact(k);
+    EXPECT_THAT(scene.indenter.young.value(), AllOf(Ge(0.1), Le(10)));
+    EXPECT_THAT(scene.indenter.poisson, AllOf(Ge(0.3), Le(0.5)));
+    youngs.insert(*scene.indenter.young);
+    std::vector<float> row(parameters.columns().size());
+    parameters.put(scene, kind, row);
+    const auto number = [&](const std::string& name) {
+      const auto column =
+          std::ranges::find(parameters.columns(), name, &ContactParametersOf<fem::PadScene>::Column::name);
+      return row.at(static_cast<std::size_t>(column - parameters.columns().begin()));
+    };
+    EXPECT_EQ(number("indenter.young"), static_cast<float>(*scene.indenter.young));
+    EXPECT_EQ(number("indenter.poisson"), static_cast<float>(scene.indenter.poisson));
+  }
+  EXPECT_EQ(youngs.size(), 50u);
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + "young = { uniform = [-1, 1] }\n" + press),
+              HasSubstr("indenter.young"));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + "poisson = 0.3\n" + press),
+              HasSubstr("given with indenter.young"));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + "curvature_radius = { uniform = [20, 30] }\n" + sphere + press),
+              HasSubstr("sensor.curvature_radius"));
+}
+
 TEST(PadSource, EqualStepsAreMultiplesOfOneNumber) {
   const PadSource sweep = pads(head + sensor + sphere +
                                "[load]\nindentation = 0.2\ntangential_step = [{ uniform = [0.01, 0.02] }, 0]\n"

@@ -50,7 +50,12 @@ TEST(UnitWarnings, OfPads) {
   EXPECT_THAT(unit_warnings(scene), IsEmpty());
   scene.sensor.young = 2e6;
   EXPECT_THAT(unit_warnings(scene), ElementsAre("sensor.young = 2e+06 MPa: usual are 0.01 to 100 MPa; check the unit"));
-  scene.sensor.young = 2;
+  scene.sensor.young = 2, scene.indenter.young = 1.5e6;
+  EXPECT_THAT(unit_warnings(scene),
+              ElementsAre("indenter.young = 1.5e+06 MPa: usual are 0.001 to 1000 MPa; check the unit"));
+  scene.indenter.young = 1.5, scene.sensor.curvature_radius = 0.015;
+  EXPECT_THAT(unit_warnings(scene), ElementsAre(StartsWith("sensor.curvature_radius = 0.015 mm: usual are")));
+  scene.sensor.curvature_radius.reset();
   scene.sensor.thickness = 2e-3, scene.sensor.length = scene.sensor.width = 0.02;
   scene.indenter.shape = fem::Punch{0.002};
   EXPECT_THAT(unit_warnings(scene), ElementsAre(StartsWith("sensor.thickness"), StartsWith("sensor.length"),

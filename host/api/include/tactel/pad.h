@@ -23,6 +23,8 @@ struct PadIndenter {
   double yaw = 0;                    ///< degrees that the shape is turned about z
   double tilt = 0;                   ///< degrees, of Punch and Box: the bottom rises along tilt_direction
   double tilt_direction = 0;         ///< degrees, from x of the turned shape
+  std::optional<double> young{};     ///< MPa, of an elastic object; none: rigid
+  double poisson = 0.45;             ///< of an elastic object
 };
 
 /// The path of the indenter: a depth or normal force, then drags with twists about the indenter's axis.
