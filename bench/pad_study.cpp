@@ -196,7 +196,7 @@ struct Answers {
   ExpectedError error(const PadRung& rung, int cells) {
     const fem::PadSolution& answer = of.at(rung.name);
     const auto error = judge.error(rung, answer, cells);
-    return error ? *error : expected_pad_error(rung, scene, deepest(answer));
+    return error ? *error : expected_pad_error(rung, scene, deepest(scene, answer));
   }
   /// The rung that solve() takes for an accuracy; none: the reference.
   const PadRung* planned(double accuracy) {

@@ -67,7 +67,7 @@ class Production {
   /// Shows progress in the calling thread, and brings chunks to the disk, until all are written or someone stops.
   void watch() try {
     do {
-      spool_.flush(std::chrono::seconds(1));
+      spool_.flush(std::chrono::seconds(5));
       if (options_.progress && !options_.progress(answered_, contacts_)) stopped_ = true;
     } while (!ended(std::chrono::milliseconds(100)));
   } catch (...) {
@@ -75,9 +75,9 @@ class Production {
   }
   ProductionReport report() {
     if (error_) std::rethrow_exception(error_);
-    spool_.flush();
     report_.write_seconds = spool_.seconds();
     report_.finished = finished();
+    if (!report_.finished) spool_.flush();  // else the set is made at once, and the chunks leave
     return report_;
   }
 
