@@ -264,6 +264,7 @@ int run_generate(const GenerateRequest& request) {
   const ProductionReport report =
       produce_set(sweep.source, *spool, missing_chunks(found, ranks.rank(), ranks.count()), options);
   line.clear();
+  if (!ranks.first()) spool->flush();  // the first process reads the chunks of all
   const auto work = ranks.sum(Work{.contacts = static_cast<double>(report.contacts),
                                    .steps = static_cast<double>(report.steps),
                                    .kernel = report.kernel_seconds,

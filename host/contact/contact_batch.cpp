@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "host/support/errors.h"
+#include "host/device/unwritten.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
 
@@ -102,9 +102,7 @@ void ContactBatch<Real>::run(const RunOptions& options) {
     if (report.cancelled) return;
   }
   each_status(b, MapFor::reading, [&b](Real status) {
-    if (!(status > unwritten))
-      throw DeviceError("a kernel", "it left answers unwritten", b.device().info().name,
-                        "its OpenCL driver computes wrongly: choose another --device, or compute on the host");
+    if (!(status > unwritten)) refuse_unwritten(b.device());
     return static_cast<int>(status) != LANE_NOT_RUN;
   });
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <type_traits>
@@ -17,6 +18,7 @@
 #include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
+#include "host/device/unwritten.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
 #include "kernels/shared/pad_step_layout.h"
@@ -256,6 +258,7 @@ struct PadStepper<Real>::State {
   std::optional<Program> program;
   Buffer<Real> table, base, input, heights, soft, state, result, frame;
   std::optional<Launch> step_launch, frame_launch;
+  bool writes = false;  ///< the driver's kernel does, as the first step has shown
   bool framed = false;
   using Mapping = typename Buffer<Real>::Mapping;
   mutable std::unique_ptr<Mapping> result_view, frame_view;
@@ -444,10 +447,16 @@ void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
   put_input(STEP_TO, 4, to, by_wrench ? by_force : by_pose);
   step_launch->set("by_wrench", std::int32_t(by_wrench));
   const std::size_t groups = places / lanes();
+  if (!writes) std::ranges::fill(result.map(MapFor::writing).view(), std::numeric_limits<Real>::quiet_NaN());
   if (groups == 1 && device().info().low_latency)
     executor.run_here(*step_launch);
   else
     executor.run(*step_launch, groups);
+  if (writes) return;
+  const auto numbers = result.map(MapFor::reading);
+  for (std::size_t c = 0; c < count; ++c)
+    if (std::isnan(numbers[c * STEP_RESULT_ROWS + STEP_RESULT_P])) refuse_unwritten(device());
+  writes = true;
 }
 
 template <class Real>

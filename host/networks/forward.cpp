@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "fem/value_error.h"
+#include "host/device/unwritten.h"
 #include "kernels/shared/frame_status.h"
 #include "kernels/shared/network_work.h"
 #include "nn/features.h"
@@ -20,6 +21,13 @@ static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS && nn::least_
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 static_assert(nn::InputScaling::rest_scale == REST_SCALE);
 static_assert(nn::usual_friction == USUAL_FRICTION && nn::usual_spread == USUAL_SPREAD);
+
+/// Stands in place of a status until the kernel has written it.
+constexpr std::uint8_t unwritten = 0xff;
+
+Buffer<std::uint8_t> marked(const Device& device, std::size_t count) {
+  return {device, std::span<const std::uint8_t>(std::vector<std::uint8_t>(count, unwritten))};
+}
 
 void check_width(const nn::Topology& topology, int numbers, int given) {
   if (given != numbers)
@@ -149,7 +157,7 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
   bounds_ = Buffer<Real>(device, std::span<const Real>(bound));
   const Buffer<float> no_frames(device, 1);
   slip_index_ = Buffer<Real>(device, 1);
-  status_ = Buffer<std::uint8_t>(device, 1);
+  status_ = marked(device, 1);
   const Program program(
       device, "forward.cl",
       forward_defines(topology_, scaling, !bounds.empty(), device.lanes(precision_of<Real>), precision_of<Real>));
@@ -182,7 +190,7 @@ void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
   const std::size_t numbers = networks_ * answers_ * frames.rows();
   if (numbers > slip_index_.size()) {
     slip_index_ = Buffer<Real>(executor_->device(), numbers);
-    status_ = Buffer<std::uint8_t>(executor_->device(), networks_ * frames.rows());
+    status_ = marked(executor_->device(), networks_ * frames.rows());
     bound_ = 0;
   }
   if (bound_ != frames.buffer().id()) {  // arguments take a part of a microsecond
@@ -215,7 +223,9 @@ void Forward<Real>::read(std::size_t network, nn::Recall<Real>& answer) {
   read_.resize(answers_ * rows_);
   slip_index_.read(std::span<Real>(read_), network * read_.size());
   answer.status.resize(rows_);
-  status_.read(std::span(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_), network * rows_);
+  const std::span status(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_);
+  status_.read(status, network * rows_);
+  if (std::ranges::find(status, unwritten) != status.end()) refuse_unwritten(executor_->device());
   const auto numbers = [&](std::size_t which) { return read_.begin() + static_cast<std::ptrdiff_t>(which * rows_); };
   const auto take = [&](nn::Vector<Real>& to, std::size_t which) {
     to.resize(rows_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "host/device/unwritten.h"
 #include "host/networks/training_schedule.h"
 
 namespace tactel::host {
@@ -24,10 +25,10 @@ class OnlineSchedule : public TrainingSchedule<Real> {
   void run_round(std::vector<TrainedNetwork>& networks, const std::function<bool()>& go_on) override {
     RunOptions run{.progress = {}, .largest_chunk = 1};
     if (go_on) run.progress = [&](std::size_t, std::size_t) { return go_on(); };
-    const double seconds = executor_.run(jobs(), run).seconds;
+    const RunReport report = executor_.run(jobs(), run);
     for (std::size_t i = 0; i < networks.size(); ++i)
-      if (networks[i].running()) collect(i, networks[i]);
-    const double pace = round_seconds / std::max(seconds, 1e-3);
+      if (networks[i].running() && !collect(i, networks[i]) && !report.cancelled) refuse_unwritten(executor_.device());
+    const double pace = round_seconds / std::max(report.seconds, 1e-3);
     round_cycles_ = std::clamp(static_cast<std::uint32_t>(round_cycles_ * std::min(pace, 4.0)), 1u, longest_round);
   }
 
@@ -69,19 +70,20 @@ class OnlineSchedule : public TrainingSchedule<Real> {
     return jobs;
   }
 
-  // Reads what the last round did to a network.
-  void collect(std::size_t i, TrainedNetwork& network) {
+  // Reads what the last round did to a network. Returns whether it did anything.
+  bool collect(std::size_t i, TrainedNetwork& network) {
     const TrainOnline<Real>& training = trainings_[i / members_.size()];
     const std::size_t place = i % members_.size();
     const OnlineReport from{0, network.cycles, 0, 0};
     const OnlineReport now = training.report(place);
-    if (now.cycle == network.cycles) return;
+    if (now.cycle == network.cycles) return false;
     const std::vector<nn::CycleErrors> errors = training.curve(place, from);
     network.status = static_cast<nn::TrainStatus>(now.status);
     for (const nn::CycleErrors& cycle : errors)
       network.note_cycle(cycle, rows_, network.cycles + 1 == now.cycle && !network.running());
     network.sse = now.sse;
     network.largest = now.largest;
+    return true;
   }
 
   Executor& executor_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fem/value_error.h"
+#include "host/device/unwritten.h"
 #include "host/networks/forward.h"
 #include "kernels/shared/network_work.h"
 
@@ -17,7 +18,11 @@ int padded(int numbers, int lanes) { return (numbers + lanes - 1) / lanes * lane
 
 std::uint32_t parts_of(std::uint32_t whole, std::uint32_t part) { return (whole + part - 1) / part; }
 
-void add(nn::CycleErrors& errors, double sse, double largest) {
+/// Stands in place of an error until a kernel has written it.
+constexpr int unwritten = -1;
+
+void add(nn::CycleErrors& errors, double sse, double largest, const Device& device) {
+  if (sse == unwritten) refuse_unwritten(device);
   errors.sse += sse;
   errors.largest = std::max(errors.largest, largest);
 }
@@ -47,7 +52,8 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
   second_ = Buffer<Real>(device, many * numbers());
   mean_ = Buffer<Real>(device, options.average > 0 ? many * numbers() : 1);
   sums_ = Buffer<Real>(device, std::max(many, slices) * numbers());
-  errors_ = Buffer<Real>(device, std::max(many * batches, slices) * 2);
+  const std::vector<Real> marks(std::max(many * batches, slices) * 2, unwritten);
+  errors_ = Buffer<Real>(device, std::span<const Real>(marks));
   factors_ = Buffer<Real>(device, batches * 4);
   order_ = Buffer<std::uint32_t>(device, many * inputs.rows());
   std::vector<std::uint32_t> set_of;
@@ -164,7 +170,8 @@ bool TrainBatch<Real>::run_small_batches(const Progress& progress, std::vector<n
     executor_->run(small_, size(), {.progress = {}, .largest_chunk = 1});
     const std::span<Real> read(found.data(), 2 * batches * size());
     errors_.read(read);
-    for (std::size_t i = 0; i < read.size(); i += 2) add(errors[i / 2 / batches], read[i], read[i + 1]);
+    for (std::size_t i = 0; i < read.size(); i += 2)
+      add(errors[i / 2 / batches], read[i], read[i + 1], executor_->device());
     done += batches;
     if (progress &&
         !progress(std::min<std::uint64_t>(std::uint64_t{done} * batch, rows) * size(), std::size_t{rows} * size()))
@@ -204,7 +211,7 @@ void TrainBatch<Real>::run_large_batch(std::uint32_t network, std::uint32_t begi
   executor_->run(update_, parts_of(static_cast<std::uint32_t>(numbers() / lanes_), UPDATE_VECTORS));
   std::vector<Real> found(2 * slices);
   errors_.read(found);
-  for (std::size_t i = 0; i < found.size(); i += 2) add(errors, found[i], found[i + 1]);
+  for (std::size_t i = 0; i < found.size(); i += 2) add(errors, found[i], found[i + 1], executor_->device());
 }
 
 template <class Real>

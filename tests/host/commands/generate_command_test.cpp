@@ -726,12 +726,18 @@ TEST_F(SmallSet, AKillInTheAssemblyLeavesNothingForGood) {
 
 TEST_F(SmallSet, SurvivesAPowerCut) {
   const std::string text = sweep("a.toml", SmallSweep{}.text());
-  EXPECT_EQ(run_child({"/usr/bin/python3", source_file("tests/host/support/sync_order.py"), *this / "set.h5",
-                       SetSpool::folder(*this / "set.h5") / "plan",
-                       "in-place:" + (SetSpool::folder(*this / "set.h5") / "0000.chunks").string(), "--",
+  const std::string order = source_file("tests/host/support/sync_order.py");
+  EXPECT_EQ(run_child({"/usr/bin/python3", order, *this / "set.h5", SetSpool::folder(*this / "set.h5") / "plan", "--",
                        TACTEL_PROGRAM, "generate", text, "--output", *this / "set.h5", "--quiet"})
                 .exit_code,
             0);
+  // Of a run that is stopped, what --resume takes.
+  const std::string many = sweep("many.toml", SmallSweep{.contacts = 10'000'000}.text()), set = *this / "many.h5";
+  const ChildResult stopped = run_child(
+      {"/usr/bin/python3", order, "in-place:" + (SetSpool::folder(set) / "0000.chunks").string(), "--", "sh", "-c",
+       "timeout --preserve-status -s INT 2 " TACTEL_PROGRAM " generate " + many + " --output " + set +
+           "; test $? = 130"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
 }
 
 /// The first block of Python in docs/sets.md.

@@ -170,6 +170,19 @@ TEST_F(SolveWithCache, AKernelThatWritesNothingIsRefused) {
   }
 }
 
+TEST_F(SolveWithCache, ANetworkOfAKernelThatWritesNothingIsRefused) {
+  folder_.write("small.toml", SmallSweep{.contacts = 20}.text());
+  const std::string train = TACTEL_PROGRAM " train set.h5 --network 10-3-1 --cycles 3 --output ",
+                    idle = "export IDLE=1 LD_PRELOAD=" TACTEL_UNKNOWN_DRIVER "; timeout 60 ";
+  const ChildResult made =
+      in_shell(folder_, TACTEL_PROGRAM " generate small.toml --output set.h5 && " + train + "trained");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  for (const std::string& command :
+       {train + "online", train + "batch --schedule batch", train + "large --schedule batch --batch 2000",
+        std::string(TACTEL_PROGRAM " recall trained set.h5")})
+    EXPECT_TRUE(is_refused(in_shell(folder_, idle + command), {"left answers unwritten"}, 3)) << command;
+}
+
 // A log has one line for all compilations.
 TEST_F(SolveWithCache, SaysOnceThatItCompiles) {
   const ChildResult result = in_shell(folder_, "$solve > answer");
