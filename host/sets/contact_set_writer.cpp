@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <future>
 #include <map>
 
 #include "host/sets/contact_set.h"
@@ -124,21 +125,26 @@ Column create_column(hid_t file, const char* name, hid_t type, std::uint64_t row
   return column;
 }
 
-/// Writes the next rows of a dataset, those of a whole chunk. `chunk` has room for them and a checksum.
-bool write_chunk(Column& column, std::uint64_t first, std::uint64_t rows, std::string& chunk, bool compress) {
+/// Takes the next rows of a dataset, those of a whole chunk, into its sum, and puts the chunk's checksum behind them.
+void finish_chunk(Column& column, std::uint64_t rows, std::string& chunk) {
   const std::uint64_t used = rows * column.row_bytes, size = column.rows_of_chunk * column.row_bytes;
-  const hsize_t start[2] = {first, 0}, count[2] = {rows, static_cast<hsize_t>(column.columns)};
   column.sum.add({chunk.data(), used});
+  std::memset(chunk.data() + used, 0, size - used);
+  const std::uint32_t sum = fletcher32({chunk.data(), size});  // faster than HDF5's filter, which copies the chunk
+  std::memcpy(chunk.data() + size, &sum, sizeof sum);
+}
+
+/// Writes a chunk of so many rows, with its checksum.
+bool write_chunk(const Column& column, std::uint64_t first, std::uint64_t rows, const std::string& chunk,
+                 bool compress) {
+  const hsize_t start[2] = {first, 0}, count[2] = {rows, static_cast<hsize_t>(column.columns)};
   if (compress) {
     const Handle space(H5Dget_space(column.data), H5Sclose);
     const Handle memory(H5Screate_simple(column.columns ? 2 : 1, count, nullptr), H5Sclose);
     return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
            H5Dwrite(column.data, column.type, memory, space, H5P_DEFAULT, chunk.data()) >= 0;
   }
-  std::memset(chunk.data() + used, 0, size - used);
-  const std::uint32_t sum = fletcher32({chunk.data(), size});  // faster than HDF5's filter, which copies the chunk
-  std::memcpy(chunk.data() + size, &sum, sizeof sum);
-  return H5Dwrite_chunk(column.data, H5P_DEFAULT, 0, start, size + sizeof sum, chunk.data()) >= 0;
+  return H5Dwrite_chunk(column.data, H5P_DEFAULT, 0, start, chunk.size(), chunk.data()) >= 0;
 }
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, "\n")); }
@@ -205,27 +211,45 @@ std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compres
   return all;
 }
 
-/// Writes all rows, those of datasets with rows in common side by side. Returns false on failure.
+/// Writes all rows, those of datasets with rows in common side by side. A thread has the next chunks ready. Returns
+/// false on failure.
 bool write_columns(std::vector<Column>& columns, const SetRows& rows, bool compress) {
-  std::string chunk;
+  std::vector<std::string> chunks(columns.size()), next(columns.size());
   const auto copy = [&](std::size_t c, std::uint64_t first, std::uint64_t count) {
     const std::string& name = columns[c].name;
-    if (name != "tactel_x" && name != "tactel_y") return rows.copy(c, first, count, chunk.data());
+    if (name != "tactel_x" && name != "tactel_y") return rows.copy(c, first, count, next[c].data());
     const std::vector<float>& places = name == "tactel_x" ? rows.columns.tactel_x : rows.columns.tactel_y;
-    std::memcpy(chunk.data(), places.data() + first, count * sizeof(float));
+    std::memcpy(next[c].data(), places.data() + first, count * sizeof(float));
+    return true;
+  };
+  const auto count = [&](std::size_t c, std::uint64_t first) {
+    return std::min(columns[c].rows_of_chunk, columns[c].rows - first);
+  };
+  const auto prepare = [&](std::size_t begin, std::size_t end, std::uint64_t first) {
+    for (std::size_t c = begin; c < end; ++c) {
+      next[c].resize(columns[c].rows_of_chunk * columns[c].row_bytes + sizeof(std::uint32_t));
+      if (!copy(c, first, count(c, first))) return false;
+      finish_chunk(columns[c], count(c, first), next[c]);
+    }
     return true;
   };
   const auto with_rows = static_cast<std::size_t>(
       std::ranges::count(columns, "row", [](const Column& column) { return std::string_view(column.dimensions[0]); }));
-  for (std::size_t begin = 0, end = with_rows; begin < columns.size(); begin = end, ++end)
-    for (std::uint64_t first = 0; first < columns[begin].rows; first += columns[begin].rows_of_chunk) {
-      const std::uint64_t count = std::min(columns[begin].rows_of_chunk, columns[begin].rows - first);
-      for (std::size_t c = begin; c < end; ++c) {
-        const std::size_t room = columns[c].rows_of_chunk * columns[c].row_bytes + sizeof(std::uint32_t);
-        chunk.resize(std::max(chunk.size(), room));
-        if (!copy(c, first, count) || !write_chunk(columns[c], first, count, chunk, compress)) return false;
-      }
+  for (std::size_t begin = 0, end = with_rows; begin < columns.size(); begin = end, ++end) {
+    const auto begin_at = [&](std::uint64_t first) {
+      return std::async(std::launch::async, prepare, begin, end, first);
+    };
+    if (columns[begin].rows == 0) continue;
+    std::future<bool> ready = begin_at(0);
+    for (std::uint64_t first = 0, after; first < columns[begin].rows; first = after) {
+      if (!ready.get()) return false;
+      std::swap(chunks, next);
+      after = first + columns[begin].rows_of_chunk;
+      if (after < columns[begin].rows) ready = begin_at(after);
+      for (std::size_t c = begin; c < end; ++c)
+        if (!write_chunk(columns[c], first, count(c, first), chunks[c], compress)) return false;
     }
+  }
   return true;
 }
 
