@@ -189,6 +189,7 @@ std::vector<double> graded_edges(double length, double finest, double growth,
   for (double h = finest; from_side.back() < length * (1 - 1e-9); h = std::min(growth * h, widest(from_side.back())))
     from_side.push_back(from_side.back() + h);
   std::vector<double> edges;
+  edges.reserve(from_side.size());
   for (const double at : from_side) edges.push_back(length * (1 - at / from_side.back()));
   std::ranges::reverse(edges);
   return edges;

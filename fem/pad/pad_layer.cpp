@@ -318,9 +318,9 @@ std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, 
   // Part u lies u times its side from the middle of the first cell; those out of range give nothing.
   struct Parts {
     Parts(double at, double side, int parts, int cells) {
-      const double least = -5 * parts / 2, most = (cells - 1) * parts - least;
-      first = static_cast<int>(std::clamp(std::floor((at - range) / side), least, most));
-      end = static_cast<int>(std::clamp(std::ceil((at + range) / side), least, most)) + 1;
+      const int least = -5 * parts / 2, most = (cells - 1) * parts - least;
+      first = static_cast<int>(std::clamp<double>(std::floor((at - range) / side), least, most));
+      end = static_cast<int>(std::clamp<double>(std::ceil((at + range) / side), least, most)) + 1;
     }
     int first, end;
   };

@@ -57,7 +57,8 @@ struct StickingDisc {
     for (Eigen::Index p = 0; p < count; ++p) {
       for (Eigen::Index q = 0; q < count; ++q) {
         const int dx = in[p][0] - in[q][0], dy = in[p][1] - in[q][1];
-        const fem::CellInfluence& c = all[static_cast<std::size_t>(std::abs(dx) * (n + 1) + std::abs(dy))];
+        const fem::CellInfluence& c =
+            all[static_cast<std::size_t>(std::abs(dx)) * (n + 1) + static_cast<std::size_t>(std::abs(dy))];
         C(p, q) = c.xx, C(count + p, count + q) = c.yy;
         C(p, count + q) = C(count + p, q) = dx * dy < 0 ? -c.xy : c.xy;
       }

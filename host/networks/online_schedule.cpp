@@ -66,6 +66,7 @@ class OnlineSchedule : public TrainingSchedule<Real> {
       return a->topology().weight_count() > b->topology().weight_count();
     });
     std::vector<Job> jobs;
+    jobs.reserve(order.size());
     for (TrainOnline<Real>* training : order) jobs.push_back(training->job(round_cycles_));
     return jobs;
   }
