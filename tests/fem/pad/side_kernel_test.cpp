@@ -16,6 +16,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_table.h"
 #include "fem/pad/slip_margin.h"
+#include "tests/scratch.h"
 
 namespace tactel::fem {
 namespace {
@@ -304,6 +305,8 @@ TEST(SideKernel, IsReadBackToTheLastBit) {
 
 TEST(SidesAt, EndWhereAsked) {
   struct Ended {};
+  const ScratchFolder folder;
+  const Environment cache("TACTEL_CACHE_DIR", (folder / "").string());
   const PadSensor sensor{.thickness = 2.3, .poisson = 0.47, .length = 16, .width = 19, .sides = Sides::free};
   std::atomic calls = 0;
   const auto end_at = [&](int call) {
