@@ -20,7 +20,8 @@ struct Phases {
 
   Phases(double a, double b) {
     for (int k = 0; k < 9; ++k) {
-      const double phase = a * (k / 3 - 1) + b * (k % 3 - 1);
+      const int along = k / 3 - 1, across = k % 3 - 1;
+      const double phase = a * along + b * across;
       cosine[k] = std::cos(phase), sine[k] = std::sin(phase);
     }
   }
@@ -84,6 +85,7 @@ Eigen::Matrix3d solve_waves(const std::vector<BrickMatrix>& layers, double a, do
 EndlessResponse endless_bricks(const BrickMesh& mesh, double poisson, const std::array<int, 2>& period,
                                const std::function<void()>& between) {
   std::vector<BrickMatrix> layers;
+  layers.reserve(mesh.layers());
   for (int k = 0; k < mesh.layers(); ++k)
     layers.push_back(brick_stiffness(mesh.dx(), mesh.dy(), mesh.levels[k + 1] - mesh.levels[k], poisson));
   const int count_x = period[0] / 2 + 1, count_y = period[1] / 2 + 1;

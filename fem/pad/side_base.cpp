@@ -101,8 +101,9 @@ void SideBase::make(double poisson, const BaseMesh& mesh, const std::function<vo
     const double x = places_[0][place / places_y], y = places_[1][place % places_y];
     const double left = left_at(std::min(grid_.sides[0] / 2 - std::abs(x), grid_.sides[1] / 2 - std::abs(y)));
     for (int source = 0; source < quarter[0] * quarter[1]; ++source) {
-      const PadBaseStress endless = uniform_base_stress(layer, 1, c[0], c[1], x - (source / quarter[1] + 0.5) * c[0],
-                                                        y - (source % quarter[1] + 0.5) * c[1]);
+      const int i = source / quarter[1], j = source % quarter[1];
+      const PadBaseStress endless =
+          uniform_base_stress(layer, 1, c[0], c[1], x - (i + 0.5) * c[0], y - (j + 0.5) * c[1]);
       for (int to = 0; to < 3; ++to) {
         auto row = rows_.block<1, 3>(3 * place + to, 3 * source);
         row = left / (c[0] * c[1]) * (row - endless.row((to + 1) % 3));

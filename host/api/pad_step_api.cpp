@@ -156,11 +156,13 @@ const StepOptions& PadStepper::options() const {
 
 std::vector<double> PadStepper::cell_x() const {
   std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(state_->cells.count()));
   for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.x(i / state_->cells.ny()));
   return all;
 }
 std::vector<double> PadStepper::cell_y() const {
   std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(state_->cells.count()));
   for (int i = 0; i < state_->cells.count(); ++i) all.push_back(state_->cells.y(i % state_->cells.ny()));
   return all;
 }
