@@ -227,8 +227,6 @@ int run_generate(const GenerateRequest& request) {
   const auto [rung, accurate] = modelling(request, sweep, options.set, request.shared.quiet || !ranks.first());
   if (ranks.first() && !request.shared.quiet)
     for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
-  if (const auto* pads = std::get_if<PadSource>(&sweep.source); pads && ranks.first() && !request.shared.quiet)
-    if (const std::string text = tables_of_sides(*pads); !text.empty()) fmt::print(stderr, "note: {}\n", text);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
   const SetRecipe recipe = recipe_of(sweep, rung, options.set, request.columns, request.compress);
@@ -254,6 +252,8 @@ int run_generate(const GenerateRequest& request) {
     fmt::print("{} of {} chunks exist{}\n", chunks - missing_chunks(found).size(), chunks,
                spool->torn() ? "; torn ones are generated again" : "");
 
+  if (const auto* pads = std::get_if<PadSource>(&sweep.source); pads && ranks.first() && !request.shared.quiet)
+    if (const std::string text = tables_of_sides(*pads); !text.empty()) fmt::print(stderr, "note: {}\n", text);
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first());
   options.progress = [&](std::size_t answered, std::size_t all) {
     line.show(answered, all);
