@@ -130,7 +130,7 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
     check_plan(plan, how);
     if (how != Open::join) {
       fs::remove(folder_ / "stop");
-      find_chunks(true);
+      find_chunks(true, true);
     }
     const fs::path file = folder_ / fmt::format("{:04}.chunks", process);
     file_lock_ = locked(file, output_);
@@ -180,12 +180,12 @@ void SetSpool::check(const ChunkHeader& header) const {
                                     "--force starts anew");
 }
 
-/// Looks for chunks behind those that it has found before. `checked`: their rows, too, which another run wrote; what is
-/// torn at the end of a file is cut off, since new chunks come behind it. No process of that run may still write.
-void SetSpool::find_chunks(bool checked) {
+/// Looks for chunks behind those that it has found before. `checked`: their rows are. `of_another_run`: no process of
+/// it may still write, and what is torn at the end of a file is cut off, since new chunks come behind it.
+void SetSpool::find_chunks(bool checked, bool of_another_run) {
   std::string rows;
   for (const fs::path& path : chunk_files(folder_)) {
-    const FileLock lock = checked ? locked(path, output_) : FileLock();
+    const FileLock lock = of_another_run ? locked(path, output_) : FileLock();
     const auto file = files_.try_emplace(path, 0).first;
     std::uint64_t& at = file->second;
     std::ifstream in(path, std::ios::binary | std::ios::ate);
@@ -203,7 +203,7 @@ void SetSpool::find_chunks(bool checked) {
         torn_ = true;
       at = begin + header.bytes;
     }
-    if (checked && at < size) torn_ = true, fs::resize_file(path, at);
+    if (of_another_run && at < size) torn_ = true, fs::resize_file(path, at);
   }
 }
 
@@ -319,7 +319,7 @@ class SetSpool::Rows {
 };
 
 void SetSpool::assemble(ContactSet& set, bool compress) {
-  with_output(output_, [&] { find_chunks(false); });
+  with_output(output_, [&] { find_chunks(compress, false); });  // a slow copy has the time to check them, too
   if (chunks_.size() != count_)
     throw output_error(
         output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count_));

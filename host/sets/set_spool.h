@@ -68,7 +68,7 @@ class SetSpool {
   [[noreturn]] void fail(int error) const;
   void check_plan(const std::string& plan, Open how) const;
   void check(const ChunkHeader& header) const;
-  void find_chunks(bool checked);
+  void find_chunks(bool checked, bool of_another_run);
 
   std::filesystem::path output_, folder_;
   std::uint64_t plan_sum_, count_;

@@ -186,6 +186,21 @@ TEST_F(Spool, TornAndDamagedChunksAreMadeAgain) {
 }
 
 // A limit on the size of files stands for a full disk.
+TEST_F(Spool, ACompressedSetHasNoChunkThatWasDamagedSince) {
+  const fs::path output = at("set.h5");
+  {
+    Processes run(output, 2, SetSpool::Open::fresh);
+    run.to_the_end([] {});
+    std::fstream(SetSpool::folder(output) / "0001.chunks", std::ios::in | std::ios::out | std::ios::binary)
+        .seekp(sizeof(ChunkHeader) + 5)
+        .put('?');
+    ContactSet set(columns());
+    EXPECT_THROW(run.spool(0).assemble(set, true), ConfigError);
+  }
+  EXPECT_EQ(found(output), std::pair(chunk_total - 1, true));
+  EXPECT_TRUE(Processes(output, 1, SetSpool::Open::resume).finish() == whole_);
+}
+
 TEST_F(Spool, AChunkThatDoesNotFitLeavesTheOthersWhole) {
   const fs::path output = at("set.h5"), file = SetSpool::folder(output) / "0000.chunks";
   {
