@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A hook of mkdocs: appends the names of the Python package to reference.md, with signatures from its stub and texts from
-itself. Names in the list of that page become links to them; a name that the package lacks is an error."""
+"""A hook of mkdocs: appends to reference.md the help of each command, and the names of the Python package, with signatures from its
+stub and texts from itself. Names in the list of that page become links to them; a name that the package lacks is an error."""
 import ast
 import html
+import os
 import pathlib
 import re
+import subprocess
+import sys
 
 import tactel
 
 STUB = pathlib.Path(tactel.__file__).with_name("__init__.pyi")
+PROGRAM = pathlib.Path(__file__).parents[1] / "build/tactel"
+MODULES = ("calibrate", "floor", "import_network", "mcap")
 
 
 def text_of(thing):
@@ -66,6 +71,22 @@ def described(name, nodes):
     yield ""
 
 
+def helps(title, command):
+    """The section of a command, or one for each of its own."""
+    run = subprocess.run([*command, "--help"], check=True, capture_output=True, text=True, env={**os.environ, "COLUMNS": "80"})
+    own = re.findall(r"^ {2,4}([a-z-]+)  ", run.stdout, re.M) if re.search(r"^usage: .* COMMAND|\{\w+,.*\.\.\.", run.stdout, re.I | re.M) else []
+    for word in own:
+        yield from helps(f"{title} {word}", [*command, word])
+    if not own:
+        yield f"### {title}\n\n```text\n{run.stdout.strip()}\n```\n"
+
+
+def commands():
+    yield from helps("tactel", [PROGRAM])
+    for module in MODULES:
+        yield from helps(f"tactel.{module}", [sys.executable, "-m", f"tactel.{module}"])
+
+
 def on_page_markdown(markdown, page, **_):
     if page.file.src_path != "reference.md":
         return markdown
@@ -76,4 +97,4 @@ def on_page_markdown(markdown, page, **_):
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in tactel.__all__:
             nodes.setdefault(node.name, []).append(node)
     linked = re.sub(r"`(\w+)`", lambda found: f"[`{found[1]}`](#{nodes[found[1]][0].name.lower()})", markdown)
-    return linked + "\n## Names\n\nSignatures abbreviate types:\n\n" + block(types) + "\n".join(line for name in sorted(nodes, key=str.lower) for line in described(name, nodes[name]))
+    return linked + "\n" + "\n".join(commands()) + "\n## Names\n\nSignatures abbreviate types:\n\n" + block(types) + "\n".join(line for name in sorted(nodes, key=str.lower) for line in described(name, nodes[name]))

@@ -73,7 +73,7 @@ LOADS = (LOAD.format(weight=1, stroke="{ log_uniform = [0.3, 2] }", twist=0)
          + LOAD.format(weight=4, stroke="{ log_uniform = [0.1, 2] }", twist=TWIST)
          + LOAD.format(weight=1, stroke=1e-6, twist=TWIST))
 SKIN = """
-[transducer]                    # of a real skin, docs/transducers.md
+[transducer]                    # of a real skin
 step_time = 0.02
 memory = { uniform = [0.02, 0.04] }
 memory_time = { uniform = [0.3, 0.6] }

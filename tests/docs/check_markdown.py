@@ -2,7 +2,7 @@
 """Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns,
 tables have a head; and that the manual is short and speaks of the present.
 
-Usage: check_markdown.py ROOT [TACTEL] [--lines 250] [--words 20000]
+Usage: check_markdown.py ROOT [TACTEL] [--lines 250] [--words 18000]
 Checks every *.md under ROOT. With TACTEL, the program, also each `tactel COMMAND --option` of code and code blocks.
 The manual is README.md and docs/*.md: pages of at most so many lines, docs/*.md but TUTORIALS of so many words (as `wc -w`), no word of
 PAST in a sentence, heading or table (code and comments are none).
@@ -157,7 +157,7 @@ def main():
     parser.add_argument("root", type=lambda p: pathlib.Path(p).resolve())
     parser.add_argument("tactel", nargs="?")
     parser.add_argument("--lines", type=int, default=250)
-    parser.add_argument("--words", type=int, default=20000)
+    parser.add_argument("--words", type=int, default=18000)
     options = parser.parse_args()
     program = Program(options.tactel) if options.tactel else None
     sources = {path.name for folder in FOLDERS for path in options.root.joinpath(folder).rglob("*")}

@@ -55,7 +55,7 @@ class TACTEL_API Network {
   Network(const Network&);
   Network& operator=(const Network&);
 
-  /// Writes the network file (ONNX, docs/network-files.md). Throws InputError where it cannot be written.
+  /// Writes the network file (ONNX, docs/networks.md). Throws InputError where it cannot be written.
   void to_onnx(const std::string& path) const;
   /// Returns the bytes of that file.
   std::string onnx() const;
