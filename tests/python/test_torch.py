@@ -69,6 +69,23 @@ class Torch(unittest.TestCase):
         for found, expected in ((first, alone[::2]), (second, alone[1::2])):
             self.assertTrue(len(found) == len(expected) and all(np.array_equal(a, b) for a, b in zip(found, expected)))
 
+    def test_shuffled_rows_are_those_of_the_batches(self):
+        alone, mini = (self.batches(None, rows=lambda found: (np.column_stack([found.frames, found.slip_index]),), **options)
+                       for options in ({}, {"shuffle": 64}))
+        at = 0
+        for batch in alone:  # frames and answers stay together
+            parts = mini[at:at + -(-len(batch) // 64)]
+            self.assertTrue(all(len(part) == 64 for part in parts[:-1]))
+            rows = np.concatenate(parts)
+            self.assertFalse(np.array_equal(rows, batch))
+            np.testing.assert_array_equal(rows[np.lexsort(rows.T)], batch[np.lexsort(batch.T)])
+            at += len(parts)
+        self.assertEqual(at, len(mini))
+        again = self.batches(None, rows=lambda found: (np.column_stack([found.frames, found.slip_index]),), shuffle=64)
+        self.assertTrue(all(np.array_equal(a, b) for a, b in zip(mini, again)))
+        with self.assertRaisesRegex(tactel.InputError, "shuffle: 0; rows"):
+            self.batches(None, shuffle=0)
+
     def test_rows_are_those_that_are_asked_for(self):
         self.assertEqual(self.batches(None, rows=lambda found: (found.P,))[0].ndim, 1)
 
