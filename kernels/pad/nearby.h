@@ -41,6 +41,8 @@ OUTLINE void come_near(const Influence *influence, global const vreal *heights, 
     EACH_VECTOR(v) {
       const vreal over = LARGER(s->deep.v[v] - s->lowest.v[v], ALL_LANES((real)1e-6));
       const vint near = (HEIGHT(heights, v, i) - s->deep.v[v] < reach * over) | (c->n[i].v[v] > 0);
+      /* Whatever other lanes have summed there: the cell has no sum of this step yet. */
+      if (in_step) c->uz[i].v[v] = PICK(near & NOT(c->near[i].v[v]), ALL_LANES(-PAD_OPEN), c->uz[i].v[v]);
       c->near[i].v[v] = in_step ? c->near[i].v[v] | near : near;
       const vint asks = in_step ? s->active.v[v] & c->near[i].v[v] : c->near[i].v[v];
       any |= c->near[i].v[v];

@@ -107,6 +107,17 @@ class Steps(unittest.TestCase):
             steps.press([[0, 0, 0, 0], [np.nan] * 4, [0, 0, 0, 0]], mask=[True, False, True])  # a wrench that nobody reads
             np.testing.assert_array_equal(steps.state([1]), state[1:2])
 
+    def test_contacts_that_are_reset_are_as_new_ones(self):
+        """Bits of a first press do not depend on what the neighbours have behind them."""
+        depth = np.linspace(0.5, 8, 32)
+        wrench = np.stack([depth, 0 * depth, 0 * depth, 0 * depth], 1)
+        fresh = ball(32, 0.5, most_solves=6).press(wrench).frames.copy()
+        steps, mask = ball(32, 0.5, most_solves=6), np.arange(32) % 3 == 1
+        for part in (0.3, 0.6):
+            steps.press(wrench * part + [0, 0.02 * part, 0, 0])
+        steps.reset(mask)
+        np.testing.assert_array_equal(steps.press(wrench).frames[mask], fresh[mask])
+
     def test_a_copy_goes_on_as_the_original(self):
         given = np.array([0.3, 0.5, 0.8])
         by_shape = tactel.PadStepper(PAD, 3, given, cells=12, cell=0.4, precision="fp64")
