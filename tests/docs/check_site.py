@@ -127,6 +127,8 @@ def main(site):
         browser.open(site / "reference.html")
         expect(browser.run("document.querySelector('a[href=\"#slipestimator\"]') && document.querySelector('#slipestimator ~ ul').innerText.includes('Returns the upper bound of S')"),
                "reference.html does not lead to SlipEstimator.upper and its text")
+        helps = browser.run("[...document.querySelectorAll('pre')].map(block => block.innerText).join()")
+        expect(all(option in helps for option in ("--friction-drift", "--momentum", "--walkers")), "reference.html lacks the help of tactel monitor, tactel train or tactel.floor")
         browser.open(site / "api/index.html")
         start, example = (browser.run(f"document.querySelector('{part}').innerText") for part in (".contents", ".fragment"))
         expect("SlipEstimator" in start and "tactel/solve.h" in start, f"api/index.html begins with {start[:100]!r}")
