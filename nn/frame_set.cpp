@@ -178,7 +178,8 @@ FrameSet with_history(const FrameSet& set, const InputHistory& history, std::opt
     const std::size_t rest = rest_of(set, P, first, row);
     input.segment(width * history.path(), width) = set.frames.row(static_cast<Eigen::Index>(rest));
     if (!set.slid.empty())
-      formed.slip_index(static_cast<Eigen::Index>(row)) = slid_target(set.slid[row] - set.slid[rest]);
+      formed.slip_index(static_cast<Eigen::Index>(row)) =
+          slid_target(std::hypot(set.slid[row][0] - set.slid[rest][0], set.slid[row][1] - set.slid[rest][1]));
   }
   return formed;
 }

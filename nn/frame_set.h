@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -12,22 +13,22 @@ namespace tactel::nn {
 
 /// Frames with their answers: a learning set or a recall set. A row is one load step of one contact.
 struct FrameSet {
-  RowMatrix<float> frames;                  ///< [rows, history * axes tactels] MPa: normal stresses first, then shear
-  Vector<float> slip_index;                 ///< [rows] S = Q / (mu P)
-  std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: kind of indenter
-  std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch; of pads touched tactels
-  std::vector<std::uint8_t> torque{};       ///< [rows] or empty, of pads: class of torque_class
-  std::vector<std::uint64_t> contact{};     ///< [rows] or empty: which contact; rows of a contact are in its order
-  std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
-  std::vector<float> friction{};            ///< [rows] or empty: mu
-  std::vector<float> slip{};                ///< [rows] or empty: S, which rests are chosen by
-  std::vector<float> slid{};                ///< [rows] or empty: of a slide, its distance since first touch
-  bool press_rows = false;                  ///< the rows of a contact begin with its pressing
-  int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
-  int told = 0;                             ///< numbers behind these frames that are no stresses (with_history)
-  int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
-  int columns = 0;                          ///< tactels along x; 0: not known
-  bool square = false;                      ///< the tactels of a pad lie along x as along y
+  RowMatrix<float> frames;                   ///< [rows, history * axes tactels] MPa: normal stresses first, then shear
+  Vector<float> slip_index;                  ///< [rows] S = Q / (mu P)
+  std::vector<std::uint16_t> shape_class;    ///< [rows] or empty: kind of indenter
+  std::vector<std::int32_t> contact_nodes;   ///< [rows] or empty: surface nodes that touch; of pads touched tactels
+  std::vector<std::uint8_t> torque{};        ///< [rows] or empty, of pads: class of torque_class
+  std::vector<std::uint64_t> contact{};      ///< [rows] or empty: which contact; rows of a contact are in its order
+  std::vector<std::uint32_t> step{};         ///< [rows] or empty: load step of the contact
+  std::vector<float> friction{};             ///< [rows] or empty: mu
+  std::vector<float> slip{};                 ///< [rows] or empty: S, which rests are chosen by
+  std::vector<std::array<float, 2>> slid{};  ///< [rows] or empty: slide since first touch over the elastic limit, x, y
+  bool press_rows = false;                   ///< the rows of a contact begin with its pressing
+  int history = 1;                           ///< frames in a row of `frames`, the newest first (with_history)
+  int told = 0;                              ///< numbers behind these frames that are no stresses (with_history)
+  int axes = 2;                              ///< stresses of a tactel; of a pad 3, or 1
+  int columns = 0;                           ///< tactels along x; 0: not known
+  bool square = false;                       ///< the tactels of a pad lie along x as along y
 
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 
@@ -67,8 +68,8 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
 ///
 /// With a rest, each row has the frame of an earlier row of its contact behind them, as a grip may rest at any load: by
 /// the first of noise_words(contact, step) one of those with |S| < most_slip_at_rest and half to twice its P; its own
-/// frame where there is none. Where the set has `slid`, `slip_index` becomes that slide since that row. Throws
-/// ValueError, key "scaling", for a set without contact, step or S.
+/// frame where there is none. Where the set has `slid`, `slip_index` becomes slid_target of its change since that
+/// row. Throws ValueError, key "scaling", for a set without contact, step or S.
 ///
 /// With friction, each row ends with mu and its relative deviation as told: mu exp(spread n), n a normal number.
 /// `spread`: that of all rows, infinity where nothing is told; none: a row is told nothing in one of four cases, else

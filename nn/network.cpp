@@ -62,22 +62,34 @@ const char* name(Target target) {
       return "slid";
     case Target::slip_path:
       return "slip_path";
+    case Target::net_slip:
+      return "net_slip";
+    case Target::slid_ahead:
+      return "slid_ahead";
   }
   return "unknown";
 }
 
 Target parse_target(std::string_view text) {
-  for (const Target target :
-       {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid, Target::slip_path})
+  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid,
+                              Target::slip_path, Target::net_slip, Target::slid_ahead})
     if (text == name(target)) return target;
-  throw ValueError("target", std::string(text), "slip_index, force_ratio, stick_fraction, slid or slip_path");
+  throw ValueError("target", std::string(text), std::string("slip_index, force_ratio, stick_fraction, ") + slide_names);
 }
 
 const char* definition(Target target) {
-  return target == Target::slid ? "D / (1 + D), D: slide of the contact as a whole since rest over its elastic limit"
-         : target == Target::slip_path
-             ? "D / (1 + D), D: rms slips of its cells since rest, summed, over its elastic limit"
-             : "";
+  switch (target) {
+    case Target::slid:
+      return "D / (1 + D), D: slide of the contact as a whole since rest over its elastic limit";
+    case Target::slip_path:
+      return "D / (1 + D), D: rms slips of its cells since rest, summed, over its elastic limit";
+    case Target::net_slip:
+      return "D / (1 + D), D: length of its cells' mean slips since rest, summed, over its elastic limit";
+    case Target::slid_ahead:
+      return "D / (1 + D), D: slide of the contact as a whole in the next 0.2 s over its elastic limit";
+    default:
+      return "";
+  }
 }
 
 void InputScaling::validate() const {

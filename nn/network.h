@@ -93,11 +93,11 @@ struct InputScaling {
 };
 
 /// What a network estimates: a column of its learning set.
-/// `slid` and `slip_path`: D / (1 + D) of a distance D since the input's rest over the contact's elastic limit: that of
-/// the slide of the contact as a whole, or of its cells' rms slips, summed.
-enum class Target { slip_index, force_ratio, stick_fraction, slid, slip_path };
+/// Those of a slide are D / (1 + D) of a distance D over the contact's elastic limit (definition()).
+enum class Target { slip_index, force_ratio, stick_fraction, slid, slip_path, net_slip, slid_ahead };
 
-inline bool is_slide(Target target) { return target == Target::slid || target == Target::slip_path; }
+inline bool is_slide(Target target) { return target >= Target::slid; }
+inline constexpr const char* slide_names = "slid, slip_path, net_slip or slid_ahead";
 /// Returns what the distance of a slide is, as files of networks state it; empty of other targets.
 const char* definition(Target target);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/support/errors.h"
@@ -18,7 +19,14 @@ const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
          : target == nn::Target::force_ratio ? set.force_ratio
          : target == nn::Target::slid        ? set.slid
          : target == nn::Target::slip_path   ? set.slip_path
+         : target == nn::Target::slid_ahead  ? set.slid_ahead
                                              : set.stick_fraction;
+}
+
+/// The answer to row `row`, NaN where there is none; of a slide its distance, x, y.
+std::array<float, 2> answer_of(const ContactSet& set, nn::Target target, std::size_t row) {
+  if (target == nn::Target::net_slip) return {set.net_slip[2 * row], set.net_slip[2 * row + 1]};
+  return {column_of(set, target)[row], 0};
 }
 
 /// Tactels of a pad along x; 0 where the set does not have their places.
@@ -32,9 +40,8 @@ int columns_of(const ContactSet& set) {
 AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   AnsweredRows answered;
   answered.target = target;
-  const std::vector<float>& answer = column_of(set, target);
   for (std::size_t row = 0; row < set.rows(); ++row)
-    if (set.status[row] != over_tolerance && std::isfinite(answer[row])) answered.row.push_back(row);
+    if (set.status[row] != over_tolerance && std::isfinite(answer_of(set, target, row)[0])) answered.row.push_back(row);
   answered.left_out = set.rows() - answered.row.size();
   if (answered.row.empty()) return answered;
   nn::FrameSet& frames = answered.frames;
@@ -45,10 +52,10 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
-    const bool slides = nn::is_slide(target);
+    const std::array<float, 2> answer = answer_of(set, target, row);
     frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) =
-        slides ? nn::slid_target(answer[row]) : answer[row];
-    if (slides) frames.slid.push_back(answer[row]);
+        nn::is_slide(target) ? nn::slid_target(std::hypot(answer[0], answer[1])) : answer[0];
+    if (nn::is_slide(target) && target != nn::Target::slid_ahead) frames.slid.push_back(answer);
     frames.slip.push_back(set.slip_index[row]);
     frames.shape_class.push_back(set.indenter[row]);
     const float* frame = set.frames.data() + row * set.inputs;
@@ -74,6 +81,8 @@ void require_answers(const SetColumns& columns, const std::string& file, nn::Tar
     throw ConfigError(file, nn::name(target), "missing", "a set of pads; of lines slip_index is this ratio");
   if (nn::is_slide(target) && !columns.pad)
     throw ConfigError(file, nn::name(target), "missing", "a set of pads: lines do not count how far they slide");
+  if ((target == nn::Target::net_slip || target == nn::Target::slid_ahead) && !columns.has(nn::name(target)))
+    throw ConfigError(file, nn::name(target), "missing", "a set of grips with [load.hold] rate, with this column");
   if (target == nn::Target::slid && columns.slid_of_cells)
     throw ConfigError(file, "slid", "of grips without /slip_path, which older sets have under this name",
                       "a set that is generated anew, with both");

@@ -68,10 +68,11 @@ inline constexpr std::tuple train_options{
            {.words = {"frame", "line", "pad"}}),
     Option("--target", &TrainRequest::target, "Input:5",
            "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction; slid, how "
-           "far pads slid since rest as a whole; slip_path, how far their cells did",
-           {.words = {"slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"}}),
+           "far pads slid since rest as a whole; slip_path, how far their cells did; net_slip, how far these got; "
+           "slid_ahead, how far grips slide in the next 0.2 s",
+           {.words = {"slip_index", "force_ratio", "stick_fraction", "slid", "slip_path", "net_slip", "slid_ahead"}}),
     Option("--alarm-at", &TrainRequest::alarm_at, "Alarm:1",
-           "with --target slid or slip_path: threshold of `tactel monitor --alarm` that the network's file holds, "
+           "with --target of a slide: threshold of `tactel monitor --alarm` that the network's file holds, "
            "above 0 and below 1 (default: none)",
            {.type = "FLOAT", .least = 1e-3, .most = 0.999}),
     Option("--schedule", &TrainRequest::schedule, "Learning:1",

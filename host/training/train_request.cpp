@@ -62,7 +62,7 @@ void refuse_unused(const TrainRequest& request) {
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     refuse(request, &T::target, "slip_index with --bound and --magnitude");
   if (!nn::is_slide(nn::parse_target(request.target)))
-    refuse(request, &T::alarm_at, "left out, or with --target slid or slip_path");
+    refuse(request, &T::alarm_at, std::string("left out, or with --target ") + nn::slide_names);
   else
     refuse(request, &T::friction, "left out with --target " + request.target + ", which does not depend on mu");
   if (request.stream.empty()) refuse(request, &T::rung, "left out, or with --stream");

@@ -60,7 +60,7 @@ infer::PadShape checked_shape(std::size_t tactels, std::size_t axes, const Alarm
 
 bool estimates_slide(const SlipEstimator& network) {
   const std::string target = network.metadata("target");
-  return target == nn::name(nn::Target::slid) || target == nn::name(nn::Target::slip_path);
+  return !target.empty() && nn::is_slide(nn::parse_target(target));
 }
 
 /// Returns the rules with their threshold, with a rest where one is needed, and with a threshold of touch.
@@ -77,7 +77,8 @@ AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
   check(options, *options.touch, network.has_bound());
   const bool never = options.at == std::numeric_limits<float>::infinity();
   if (!never && options.signal == AlarmSignal::slip && !target.empty() && !estimates_slide(network))
-    throw InputError("network", "estimates " + target, "give one of S, slid or slip_path: the alarm is for slip");
+    throw InputError("network", "estimates " + target,
+                     std::string("give one of S, ") + nn::slide_names + ": the alarm is for slip");
   return options;
 }
 

@@ -167,16 +167,20 @@ TEST(WithHistory, OneFrameChangesNothing) {
 }
 
 // Of two axes a row is a normal stress and a shear; P is 1 MPa, in the last row 3. Its rest is the one earlier row with
-// |S| below 0.9 and a P of its size, or the row itself. D / (1 + D) of a slide D since then: 0.25 / 1.25 and 1 / 2.
+// |S| below 0.9 and a P of its size, or the row itself. D / (1 + D) of a slide D since then: 0.25 / 1.25 and 1 / 2;
+// of a way, from (-3, 1) to (-2.2, 0.4), D = 1; to (0, 5), D = 5.
 TEST(WithHistory, ARestIsAnEarlierRowThatHolds) {
   FrameSet set{.frames = RowMatrix<float>{{-1, 0}, {-1, 0.5}, {-1, 0.75}, {-3, 1}},
                .slip_index = Vector<float>::Zero(4),
                .contact = {3, 3, 3, 3},
                .step = {4, 5, 6, 7}};
-  set.slip = {0.1f, 0.95f, -1, 0.2f}, set.slid = {0, 0.25f, 1, 1.5f};
+  set.slip = {0.1f, 0.95f, -1, 0.2f}, set.slid = {{0, 0}, {0.25f, 0}, {1, 0}, {1.5f, 0}};
   const FrameSet formed = with_history(set, {.frames = 2, .rest = true});
   EXPECT_EQ(formed.frames, (RowMatrix<float>{{-1, 0, -1, 0}, {-1, 0.5, -1, 0}, {-1, 0.75, -1, 0}, {-3, 1, -3, 1}}));
   EXPECT_EQ(formed.slip_index, (Vector<float>{{0, 0.2f, 0.5f, 0}}));
+  set.slid = {{-3, 1}, {-2.2f, 0.4f}, {0, 5}, {7, 7}};
+  EXPECT_TRUE(
+      with_history(set, {.frames = 2, .rest = true}).slip_index.isApprox(Vector<float>{{0, 0.5f, 5.0f / 6, 0}}, 1e-6f));
   set.slip.clear();
   EXPECT_THROW(with_history(set, {.frames = 2, .rest = true}), ValueError);
 }

@@ -35,9 +35,9 @@ struct TrainOptions {
   std::optional<double> level{};  ///< of the bound: the probability that S is below it (default: 0.95)
   std::string history{};          ///< "k" or "k:stride": the last k kept frames as one input, of a set with press_rows
   std::optional<double> history_change{};  ///< a frame is kept that differs by more, over the largest stress (0.1)
-  std::string target =
-      "slip_index";       ///< column to learn: "slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"
-  bool friction = false;  ///< networks take mu as far as it is known, Alarm::friction
+  std::string target = "slip_index";       ///< column to learn: "slip_index", "force_ratio", "stick_fraction", "slid",
+                                           ///< "slip_path", "net_slip", "slid_ahead"
+  bool friction = false;                   ///< networks take mu as far as it is known, Alarm::friction
 };
 
 }  // namespace tactel

@@ -263,7 +263,8 @@ int run_monitor(MonitorRequest request) {
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO),
                  .pads = opened.profile.pads});
-  const char* const name = networks.empty() ? nullptr : nn::is_slide(target) ? "slid" : nn::name(target);
+  const bool slid = target == nn::Target::slid || target == nn::Target::slip_path;
+  const char* const name = networks.empty() ? nullptr : slid ? "slid" : nn::name(target);
   say_left(request, opened.profile.map);
   BrowserView browser(request, opened.profile, name, !networks.empty() && networks.front().bound);
   const Until until(*opened.source, request.seconds);

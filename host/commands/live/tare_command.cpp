@@ -172,7 +172,8 @@ std::vector<nn::Model> networks_of(const TareRequest& request) {
     throw ConfigError("command line", "--network", request.network, "given with --hold, whose slid it judges");
   std::vector<nn::Model> networks{read_onnx(request.network)};
   if (!nn::is_slide(networks.front().target))
-    throw ConfigError("command line", "--network", nn::name(networks.front().target), "a network of slid or slip_path");
+    throw ConfigError("command line", "--network", nn::name(networks.front().target),
+                      std::string("a network of ") + nn::slide_names);
   return networks;
 }
 

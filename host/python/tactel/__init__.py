@@ -284,7 +284,7 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
           loss: Literal["", "absolute", "squared"] = "", cycles: int | None = None, batch: int | None = None,
           rate: float | None = None, warm_up: float | None = None, average: float | None = None, validation: Set | None = None,
           patience: int | None = None, bound: bool = False, level: float | None = None, history: int | str = "",
-          history_change: float | None = None, target: Literal["slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"] = "slip_index",
+          history_change: float | None = None, target: Literal["slip_index", "force_ratio", "stick_fraction", "slid", "slip_path", "net_slip", "slid_ahead"] = "slip_index",
           friction: bool = False, device: str = "", progress: Shown = None) -> list[Network]:
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 

@@ -329,7 +329,7 @@ def _arguments(words):
     add("--largest-stress", type=float, default=1.0, help="divisor of --scaling set, MPa (default: 1)")
     add("--history", default="", metavar="K[:STRIDE]", help="frames in an input, newest first, as of tactel train")
     add("--history-change", type=float, help="as of tactel train (default: 0.1)")
-    add("--target", choices=("slip_index", "force_ratio", "stick_fraction", "slid", "slip_path"), default="slip_index",
+    add("--target", choices=("slip_index", "force_ratio", "stick_fraction", "slid", "slip_path", "net_slip", "slid_ahead"), default="slip_index",
         help="what it answers, as of tactel train")
     return parser.parse_args(words)
 

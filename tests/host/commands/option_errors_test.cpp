@@ -107,8 +107,9 @@ const WrongCall wrong_calls[] = {
     {"Beginning", "tradeoff --out a", "--out: must be an option of tactel tradeoff; did you mean --output?"},
     {"Capitals", "solve a.toml --JSON -", "--JSON: must be an option of tactel solve; did you mean --json?"},
     {"NearChoice", "train --target slipindex",
-     "--target = slipindex: must be one of slip_index, force_ratio, stick_fraction, slid, slip_path; did you mean "
-     "slip_index?"},
+     "--target = slipindex: must be one of slip_index, force_ratio, stick_fraction, slid, slip_path, net_slip, "
+     "slid_ahead; "
+     "did you mean slip_index?"},
     {"Twice", "solve a.toml --rung paper --rung paper", "--rung = paper: must be given once"},
     {"OneTooMany", "check a.h5 b.h5", "argument = b.h5: must be left out: tactel check takes no more"},
     {"RangeOfNumbers", "monitor --alarm 200", "--alarm = 200: must be a number, 0 to 100"},

@@ -10,6 +10,7 @@
 
 #include "host/networks/onnx_file.h"
 #include "host/sets/contact_set.h"
+#include "host/training/answered_rows.h"
 #include "tests/host/sets/network_files.h"
 
 namespace {
@@ -497,6 +498,67 @@ frames = 30
   }
 }
 
+/// The way that cells got, of both directions, and the slide to come, which the last 0.2 s of a grip do not know.
+TEST(TrainCommand, TeachesHowFarGripsGotAndWhatIsToCome) {
+  const ScratchFolder folder;
+  const auto generate = [&](const char* name, const char* rate) {
+    const std::string sweep = folder.write("grips.toml", std::string(R"([sweep]
+contacts = 3
+seed = 3
+[sensor]
+kind = "pad"
+tactels = [2, 2]
+thickness = 2
+[indenter]
+shape = "sphere"
+radius = 6
+[contact]
+friction = 0.4
+[load]
+normal_force = 1
+[load.hold]
+by = "motion"
+moves = 1
+size = { uniform = [1, 3] }
+move_frames = 20
+rest = 5
+frames = 40
+)") + rate);
+    EXPECT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", folder / name, "--quiet"}).exit_code, 0);
+    return folder / name;
+  };
+  const std::string file = generate("set.h5", "rate = 60\n"), without = generate("without.h5", "");
+  const ContactSet set = read_contact_set(file);
+  const AnsweredRows net = answered_rows(set, file, nn::Target::net_slip),
+                     ahead = answered_rows(set, file, nn::Target::slid_ahead);
+  float most = 0;
+  for (std::size_t i = 0; i < net.row.size(); ++i) {
+    const float D = std::hypot(set.net_slip[2 * net.row[i]], set.net_slip[2 * net.row[i] + 1]);
+    EXPECT_FLOAT_EQ(net.frames.slip_index(static_cast<Eigen::Index>(i)), D / (1 + D));
+    most = std::max(most, D);
+  }
+  EXPECT_GT(most, 1);
+  EXPECT_EQ(ahead.row.size(), net.row.size() - 3 * 12);  // 12 frames in 0.2 s
+  for (std::size_t i = 0; i < ahead.row.size(); ++i) {
+    const float D = set.slid_ahead[ahead.row[i]];
+    EXPECT_FLOAT_EQ(ahead.frames.slip_index(static_cast<Eigen::Index>(i)), D / (1 + D));
+  }
+  for (const char* target : {"net_slip", "slid_ahead"}) {
+    const std::vector<std::string> words{"--target", target,      "--scaling", "rest",   "--cycles",
+                                         "3",        "--network", "24-3-1",    "--quiet"};
+    const auto train = [&](const std::string& from) {
+      std::vector<std::string> all{"train", from, "--output", folder / target};
+      all.insert(all.end(), words.begin(), words.end());
+      return run_tactel(all);
+    };
+    EXPECT_TRUE(is_refused(train(without), {target, "a set of grips with [load.hold] rate"}));
+    ASSERT_EQ(train(file).exit_code, 0);
+    EXPECT_STREQ(nn::name(read_onnx(folder / target / "24-3-1_noise0_seed1.onnx").target), target);
+    EXPECT_THAT(run_tactel({"recall", folder / target, file}).out,
+                HasSubstr(std::string("errors |") + target + " - " + target + " of the set|"));
+  }
+}
+
 // S of the validation set is that of the learning set turned round: learning makes it worse from some early cycle on.
 TEST(TrainCommand, StopsEarlyAndSaysWhy) {
   const ScratchFolder folder;
@@ -566,7 +628,7 @@ const WrongCall wrong_calls[] = {
      "--activation = tanh: must be one of logistic, leaky-relu"},
     {"RatioOfALine", "--target force_ratio", "force_ratio = missing: must be a set of pads"},
     {"UnknownTarget", "--target mu",
-     "--target = mu: must be one of slip_index, force_ratio, stick_fraction, slid, slip_path"},
+     "--target = mu: must be one of slip_index, force_ratio, stick_fraction, slid, slip_path, net_slip, slid_ahead"},
     {"BoundOfAnotherTarget", "--schedule batch --bound --target stick_fraction",
      "--target = stick_fraction: must be slip_index with --bound"},
     {"BatchZero", "--schedule batch --batch 0", "--batch = 0"},

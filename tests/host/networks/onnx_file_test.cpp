@@ -205,8 +205,8 @@ TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
   nn::Model model = some_model("16-9-1", ScalingKind::frame);
   const nn::RowMatrix<float> frames = bumps(20, 16, 9).frames;
   const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(frames.cast<double>());
-  for (const nn::Target target :
-       {nn::Target::force_ratio, nn::Target::stick_fraction, nn::Target::slid, nn::Target::slip_path}) {
+  for (const nn::Target target : {nn::Target::force_ratio, nn::Target::stick_fraction, nn::Target::slid,
+                                  nn::Target::slip_path, nn::Target::net_slip, nn::Target::slid_ahead}) {
     model.target = target;
     const onnx::ModelProto file = parsed(model);
     EXPECT_NO_THROW(onnx::checker::check_model(file));
@@ -218,7 +218,8 @@ TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
     onnx::ModelProto crafted = file;
     metadata(crafted, "target") = "mu";
     put(sealed(crafted));
-    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio, stick_fraction, slid or slip_path"));
+    EXPECT_THAT(message(), ::testing::HasSubstr(
+                               "slip_index, force_ratio, stick_fraction, slid, slip_path, net_slip or slid_ahead"));
   }
 }
 
