@@ -176,6 +176,7 @@ class Kept {
 }  // namespace
 
 double seconds_for_sides(const PadSensor& sensor, SideBricks judge) {
+  if (!has_free_sides(sensor)) return 0;
   constexpr double a_second = 1.2e10;  // operations of one core, about
   const std::array<double, 2> sides = block_of(sensor);
   double work = SideBase::work({sides, side_mesh(sides, SideBricks::usual).cells}, sensor.poisson, grading_of(judge));

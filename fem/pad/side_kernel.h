@@ -76,7 +76,7 @@ class SideKernel {
 bool has_free_sides(const PadSensor& sensor);
 
 /// Returns about how long the tables of a pad's free sides take to make, s on one core: of usual bricks, of others to
-/// judge by, and of the base. Those that files of the cache hold take none.
+/// judge by, and of the base. Those that files of the cache hold take none, and so do held sides.
 double seconds_for_sides(const PadSensor& sensor, SideBricks judge);
 
 /// The free sides of a pad, where a contact on it lies. Of pads longer than longest_block H the contact sees a block of

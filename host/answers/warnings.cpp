@@ -109,7 +109,6 @@ std::optional<std::string> few_elements_warning(const fem::ContactSolution& solu
 // ---- of pads
 
 std::optional<std::string> edge_warning(const PadOutcome& outcome) {
-  if (fem::has_free_sides(outcome.scene.sensor)) return std::nullopt;
   const auto distance = distance_to_edge(outcome.scene, outcome.solution);
   if (!distance || *distance >= near_edge * outcome.scene.sensor.thickness) return std::nullopt;
   const double over = *distance / outcome.scene.sensor.thickness;

@@ -7,34 +7,24 @@ namespace tactel {
 namespace api {
 Set from_host(host::ContactSet&& from) {
   Set set;
+  static_cast<SetArrays&>(set) = std::move(static_cast<SetArrays&>(from));
   set.inputs = static_cast<std::size_t>(from.inputs), set.axes = static_cast<std::size_t>(from.axes);
-  host::each_pair(host::set_columns(set), host::set_columns(from),
-                  [](auto& to, auto& array) { to = std::move(array); });
-  set.indenter_names = std::move(from.indenter_names);
   set.tactel_x = std::move(from.tactel_x), set.tactel_y = std::move(from.tactel_y);
-  set.parameters = std::move(from.contact_parameters);
-  set.parameter_names = std::move(from.host::SetColumns::parameters);
-  set.parameter_units = std::move(from.parameter_units);
-  set.contacts = from.contacts, set.without_rows = from.without_rows;
-  set.fell_back = from.fell_back, set.unsolved = from.unsolved;
-  set.sweep = std::move(from.sweep), set.rung = std::move(from.rung), set.device = std::move(from.device);
-  set.transducer = std::move(from.transducer), set.plan = std::move(from.plan);
-  set.seed = from.seed, set.press_rows = from.press_rows;
+  set.parameter_names = std::move(from.parameter_names), set.parameter_units = std::move(from.parameter_units);
+  set.fell_back = from.fell_back, set.unsolved = from.unsolved, set.without_rows = from.without_rows;
   return set;
 }
 
 host::ContactSet to_host(const Set& from) {
   host::ContactSet set;
+  static_cast<SetArrays&>(set) = from;
   set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
   set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
-  host::each_pair(host::set_columns(set), host::set_columns(from), [&](auto& to, const auto& array) {
-    const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
-    const bool directed = is(from.tangential_force) || is(from.tangential) || is(from.net_slip);
-    const std::size_t numbers = from.rows() * (is(from.frames) ? from.inputs : directed && set.pad ? 2 : 1);
-    if (array.size() != numbers && !array.empty())
-      throw InputError("set", std::to_string(array.size()) + " numbers of an array",
+  host::each(host::set_columns(set), [&](const auto& column) {
+    const std::size_t numbers = from.rows() * static_cast<std::size_t>(column.width(set));
+    if (column.value.size() != numbers && !column.value.empty())
+      throw InputError("set", std::to_string(column.value.size()) + " numbers of an array",
                        "give " + std::to_string(numbers) + ", for " + std::to_string(from.rows()) + " rows");
-    to.assign(array.begin(), array.end());
   });
   each_dataset(set, [&](const char* name, auto& values, int width, const char*) {
     if (!values.empty() || from.rows() == 0) return;
@@ -49,13 +39,9 @@ host::ContactSet to_host(const Set& from) {
       from.parameter_units.size() != from.parameter_names.size())
     throw InputError("set", std::to_string(from.parameters.size()) + " parameters",
                      "give one for each contact and name, and a unit for each name");
-  set.tactel_x = from.tactel_x, set.tactel_y = from.tactel_y, set.contact_parameters = from.parameters;
-  set.parameters = from.parameter_names, set.parameter_units = from.parameter_units;
-  set.indenter_names = from.indenter_names;
-  set.contacts = from.contacts, set.without_rows = from.without_rows;
-  set.fell_back = from.fell_back, set.unsolved = from.unsolved;
-  set.sweep = from.sweep, set.rung = from.rung, set.device = from.device, set.seed = from.seed;
-  set.transducer = from.transducer, set.plan = from.plan, set.press_rows = from.press_rows;
+  set.tactel_x = from.tactel_x, set.tactel_y = from.tactel_y;
+  set.parameter_names = from.parameter_names, set.parameter_units = from.parameter_units;
+  set.fell_back = from.fell_back, set.unsolved = from.unsolved, set.without_rows = from.without_rows;
   return set;
 }
 

@@ -22,23 +22,24 @@ static_assert(int(NodeStatus::stick) == int(fem::GapStatus::stick));
 
 std::vector<double> numbers(const auto& from) { return {from.begin(), from.end()}; }
 
-/// Sets a member of a public step to the value of a step of fem.
+// Sets a member of a public step to the value of a step of fem.
+
+void assign(double& to, const std::optional<double>& from) { to = from.value_or(undefined); }
+void assign(std::array<double, 2>& to, const Eigen::Vector2d& from) { to = {from[0], from[1]}; }
+void assign(std::vector<double>& to, const auto& from) { to = numbers(from); }
+void assign(std::vector<NodeStatus>& to, const std::vector<fem::GapStatus>& from) {
+  for (const fem::GapStatus status : from) to.push_back(static_cast<NodeStatus>(status));
+}
+void assign(std::vector<std::array<double, 2>>& to, const Eigen::MatrixX2d& from) {
+  for (const auto& row : from.rowwise()) to.push_back({row[0], row[1]});
+}
 template <class To, class From>
+requires std::is_assignable_v<To&, const From&>
+void assign(To& to, const From& from) { to = from; }
+template <class To, class From>
+requires requires(To& to) { host::residuals(to); }
 void assign(To& to, const From& from) {
-  if constexpr (std::is_same_v<From, std::optional<double>>)
-    to = from.value_or(undefined);
-  else if constexpr (requires { host::residuals(to); })
-    host::each_pair(host::residuals(to), host::residuals(from), [](double& law, double value) { law = value; });
-  else if constexpr (std::is_same_v<From, std::vector<fem::GapStatus>>)
-    for (const fem::GapStatus status : from) to.push_back(static_cast<NodeStatus>(status));
-  else if constexpr (std::is_same_v<From, Eigen::Vector2d>)
-    to = {from[0], from[1]};
-  else if constexpr (std::is_same_v<From, Eigen::MatrixX2d>)
-    for (const auto& row : from.rowwise()) to.push_back({row[0], row[1]});
-  else if constexpr (std::is_assignable_v<To&, const From&>)
-    to = from;
-  else
-    to = numbers(from);
+  host::each_pair(host::residuals(to), host::residuals(from), [](double& law, double value) { law = value; });
 }
 
 /// What paths of both kinds take of an answer.

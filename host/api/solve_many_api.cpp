@@ -39,15 +39,16 @@ void set_row(std::vector<Number>& list, std::size_t rows, std::size_t from, std:
 }
 
 /// Numbers of a value of a step in an array: one, two, or one a tactel.
-template <class Value>
-std::size_t numbers_of(const Value&, std::size_t tactels) {
-  if constexpr (std::is_same_v<Value, std::array<double, 2>> || std::is_same_v<Value, Eigen::Vector2d>)
-    return 2;
-  else if constexpr (requires(const Value& value) { value.cols(); })
-    return tactels;
-  else
-    return 1;
-}
+std::size_t numbers_of(const auto&, std::size_t) { return 1; }
+std::size_t numbers_of(const std::array<double, 2>&, std::size_t) { return 2; }
+std::size_t numbers_of(const Eigen::Vector2d&, std::size_t) { return 2; }
+template <class Stresses>
+requires requires(const Stresses& stresses) { stresses.cols(); }
+std::size_t numbers_of(const Stresses&, std::size_t tactels) { return tactels; }
+
+void put_numbers(auto to, const std::optional<double>& value) { *to = value.value_or(nan); }
+void put_numbers(auto to, const auto& value) { *to = value; }
+void put_numbers(auto to, const std::ranges::range auto& values) { std::ranges::copy(values, to); }
 
 // What the kinds of contact differ in: tactels, steps that a load asks for (of a drag until sliding the first ones),
 // and a step of an answer in place.
@@ -143,19 +144,10 @@ class PathArrays {
     if (k >= paths.steps) widen(2 * paths.steps + steps_until_sliding);
     const std::size_t at = i * paths.steps + k;
     host::each_pair(host::quantities<true>(paths), host::quantities<true>(step), [&](auto& list, const auto& value) {
-      using Value = std::remove_cvref_t<decltype(value)>;
-      auto to = list.begin() + static_cast<std::ptrdiff_t>(at * numbers_of(value, tactels_));
-      if constexpr (std::is_same_v<Value, std::optional<double>>)
-        *to = value.value_or(nan);
-      else if constexpr (std::is_convertible_v<Value, double>)
-        *to = value;
-      else
-        std::ranges::copy(value, to);
+      put_numbers(list.begin() + static_cast<std::ptrdiff_t>(at * numbers_of(value, tactels_)), value);
     });
-    if constexpr (of_lines)
-      paths.slip_index[at] = std::clamp(paths.slip_index[at], -1.0, 1.0);  // as in sets
-    else
-      reach[i].cover(step.reach);
+    paths.slip_index[at] = std::clamp(paths.slip_index[at], -1.0, 1.0);  // as in sets
+    if constexpr (!of_lines) reach[i].cover(step.reach);
   }
   void widen(std::size_t steps) {
     if (steps == paths.steps) return;
@@ -163,9 +155,8 @@ class PathArrays {
     host::each_pair(host::quantities<true>(paths), host::quantities<true>(none),
                     [&]<class Number>(std::vector<Number>& list, const auto& value) {
                       const std::size_t numbers = numbers_of(value, tactels_);
-                      Number fill = 0;
-                      if constexpr (std::is_same_v<Number, double>) fill = nan;
-                      set_row(list, paths.scenes, paths.steps * numbers, steps * numbers, fill);
+                      set_row(list, paths.scenes, paths.steps * numbers, steps * numbers,
+                              std::numeric_limits<Number>::quiet_NaN());  // of a word 0
                     });
     paths.steps = steps;
   }

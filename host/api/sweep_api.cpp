@@ -112,8 +112,7 @@ void append(Set& to, Set&& more) {
 
 /// Throws where the rows of `all` contacts would not fit into memory, judged by those of `count`.
 void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64_t all) {
-  const double bytes =
-      static_cast<double>(rows.rows() * row_bytes(rows) + sizeof(float) * rows.contact_parameters.size());
+  const double bytes = static_cast<double>(rows.rows() * row_bytes(rows) + sizeof(float) * rows.parameters.size());
   const double most = host::memory_bytes() / std::max(bytes, 1.0) * static_cast<double>(count);
   if (static_cast<double>(all) > most)
     throw InputError("contacts", std::to_string(all),

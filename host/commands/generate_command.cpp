@@ -212,7 +212,7 @@ Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& op
 std::string tables_of_sides(const PadSource& source) {
   double seconds = 0;
   for (const fem::PadSensor& sensor : source.sensors())
-    if (fem::has_free_sides(sensor)) seconds += fem::seconds_for_sides(sensor, fem::SideBricks::usual);
+    seconds += fem::seconds_for_sides(sensor, fem::SideBricks::usual);
   return seconds < 1 ? ""
                      : fmt::format("tables of free sides take about {}, for {} sensors", duration_text(seconds),
                                    source.sensors().size());

@@ -117,7 +117,6 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
 
 /// " (tables of its free sides first: about 3 s)" where that takes a second or more.
 std::string first_tables(const fem::PadSensor& sensor) {
-  if (!fem::has_free_sides(sensor)) return "";
   const double seconds = fem::seconds_for_sides(sensor, fem::SideBricks::finer);
   return seconds < 1 ? "" : fmt::format(" (tables of its free sides first: about {})", duration_text(seconds));
 }

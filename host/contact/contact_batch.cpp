@@ -146,10 +146,10 @@ LaneAnswer LaneView<Real>::answer(std::size_t i) const {
   answer.steps = b.scenes[i].steps, answer.indentation_steps = b.scenes[i].indentation_steps;
   answer.sensor = b.sensors.empty() ? nullptr : &sensor(i);
   answer.stride = interleaved();
-  answer.fp64_ = sizeof(Real) == sizeof(double);
-  answer.results_ = {results_.view().data() + b.results.at(lane, 0, 0), b.results.rows};
-  answer.stresses_ = {outputs_.view().data() + b.outputs.at(lane, 0, b.stresses_from), b.outputs.rows};
-  if (b.patches.rows > 0) answer.patch_ = {patches_.view().data() + b.patches.at(lane, 0, 0), b.patches.rows};
+  constexpr bool fp64 = sizeof(Real) == sizeof(double);
+  answer.results_ = {results_.view().data() + b.results.at(lane, 0, 0), b.results.rows, fp64};
+  answer.stresses_ = {outputs_.view().data() + b.outputs.at(lane, 0, b.stresses_from), b.outputs.rows, fp64};
+  if (b.patches.rows > 0) answer.patch_ = {patches_.view().data() + b.patches.at(lane, 0, 0), b.patches.rows, fp64};
   return answer;
 }
 

@@ -51,10 +51,20 @@ fem::ContactStep lane_step(const std::function<double(int row)>& row, double mu)
 /// The numbers of a scene in the outputs of a launch, in place, in either precision.
 class LaneAnswer {
  public:
-  int steps = 0;              ///< of the scene's path
-  int indentation_steps = 0;  ///< of these the first
-  const fem::Sensor* sensor;  ///< of a line's scene; of a launch on one sensor its own, but for E
-  std::size_t stride = 1;     ///< from number to number
+  struct Numbers {
+    const void* from = nullptr;
+    std::size_t rows = 0;  ///< of a load step
+    bool fp64 = false;
+  };
+  LaneAnswer() = default;
+  /// Of numbers that lie together, [steps][rows].
+  LaneAnswer(int steps, const Numbers& results, const Numbers& stresses)
+      : steps(steps), results_(results), stresses_(stresses) {}
+
+  int steps = 0;                        ///< of the scene's path
+  int indentation_steps = 0;            ///< of these the first
+  const fem::Sensor* sensor = nullptr;  ///< of a line's scene; of a launch on one sensor its own, but for E
+  std::size_t stride = 1;               ///< from number to number
 
   /// Returns one number of LaneResultRow, of pads PadResultRow.
   double result(int step, int row) const { return number(results_, step, row); }
@@ -76,7 +86,7 @@ class LaneAnswer {
   /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa. Of pads [3 tactels]: sigma_z, tau_x, tau_y.
   template <class Number>
   void tactels(int step, std::span<Number> stress) const {
-    if (fp64_)
+    if (stresses_.fp64)
       copy(static_cast<const double*>(stresses_.from), step, stress);
     else
       copy(static_cast<const float*>(stresses_.from), step, stress);
@@ -85,13 +95,9 @@ class LaneAnswer {
  private:
   template <class Real>
   friend class LaneView;
-  struct Numbers {
-    const void* from = nullptr;
-    std::size_t rows = 0;  ///< of a load step
-  };
   double number(const Numbers& of, int step, int row) const {
     const std::size_t at = (static_cast<std::size_t>(step) * of.rows + static_cast<std::size_t>(row)) * stride;
-    return fp64_ ? static_cast<const double*>(of.from)[at] : double{static_cast<const float*>(of.from)[at]};
+    return of.fp64 ? static_cast<const double*>(of.from)[at] : double{static_cast<const float*>(of.from)[at]};
   }
   template <class Real, class Number>
   void copy(const Real* from, int step, std::span<Number> to) const {
@@ -103,19 +109,18 @@ class LaneAnswer {
   }
   void fetch(const Numbers& of) const {
     constexpr std::size_t line = 64;
-    const std::size_t bytes = static_cast<std::size_t>(steps) * of.rows * (fp64_ ? sizeof(double) : sizeof(float));
+    const std::size_t bytes = static_cast<std::size_t>(steps) * of.rows * (of.fp64 ? sizeof(double) : sizeof(float));
     if (stride == 1)
       for (std::size_t k = 0; k < bytes; k += line) __builtin_prefetch(static_cast<const char*>(of.from) + k);
   }
   void fetch_step(const Numbers& of, int step, std::size_t part, std::size_t parts) const {
     if (stride == 1 || step >= steps) return;
-    const std::size_t bytes = stride * (fp64_ ? sizeof(double) : sizeof(float));
+    const std::size_t bytes = stride * (of.fp64 ? sizeof(double) : sizeof(float));
     for (std::size_t row = part; row < of.rows; row += parts)
       __builtin_prefetch(static_cast<const char*>(of.from) + (static_cast<std::size_t>(step) * of.rows + row) * bytes);
   }
 
   Numbers results_, stresses_, patch_;
-  bool fp64_ = false;
 };
 
 /// Numbers of lanes on a device, [lanes / tile][steps][rows][tile]: those of a tile's lanes lie side by side.

@@ -107,6 +107,7 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
 
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
                                        const fem::PadBox& reach) {
+  if (fem::has_free_sides(sensor)) return std::nullopt;
   double least = std::numeric_limits<double>::infinity();
   const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to) {
     if (side) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
@@ -126,7 +127,7 @@ bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& di
 }
 
 void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance) {
-  if (fem::has_free_sides(scene.sensor) || !too_near_edge(scene.sensor, distance)) return;
+  if (!too_near_edge(scene.sensor, distance)) return;
   throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
                    fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
                                "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides, which "
@@ -138,8 +139,7 @@ int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& pos
                   double cell) {
   if (!(reach.x.left < reach.x.right)) return 0;
   int outside = cell > sensor.thickness ? outside_cells : 0;
-  if (!fem::has_free_sides(sensor) && too_near_edge(sensor, distance_to_edge(sensor, position, reach)))
-    outside += outside_edges;
+  if (too_near_edge(sensor, distance_to_edge(sensor, position, reach))) outside += outside_edges;
   if (!wide_pitch(sensor)) return outside;
   double nearest = std::numeric_limits<double>::infinity();
   const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);

@@ -31,7 +31,7 @@ void refuse_endless(const fem::PadScene& scene, int cells);
 bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid);
 
 /// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
-/// gives no edges, or nothing is touched.
+/// gives no edges, where they are free in the model, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
 /// The same of a contact that lies within `reach` from the indenter's axis.
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,

@@ -93,7 +93,8 @@ class SensorSolver {
                                                      std::span<const LaneAnswer> known) const = 0;
 };
 
-/// A kind of contact, as StreamOf takes it: LineContacts (contact_stream.h), PadContacts (pad_stream.h).
+/// A kind of contact, as StreamOf takes it: LineContacts (contact_stream.h), PadContacts (pad_stream.h), HeldContacts
+/// (host/sets/held_contacts.h).
 template <class Kind>
 concept Contacts = requires {
   typename Kind::Scene;     // one contact: validate() throws ValueError, `sensor` is its Sensor

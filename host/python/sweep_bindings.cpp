@@ -36,8 +36,13 @@ Set set_of(const py::array_t<float, py::array::c_style | py::array::forcecast>& 
   return set;
 }
 
-/// Getter of a vector of a set: [rows], of pads [rows, 2].
-auto directed(std::vector<float> Set::*numbers) {
+/// Getter of a vector of a set, [rows].
+template <class Number>
+auto list(std::vector<Number> SetArrays::*numbers) {
+  return column<Set, Number>(numbers);
+}
+/// The same: of pads [rows, 2].
+auto directed(std::vector<float> SetArrays::*numbers) {
   return [numbers](const py::object& self) {
     const auto& set = self.cast<const Set&>();
     const auto& all = set.*numbers;
@@ -103,23 +108,23 @@ void bind_set(py::module_& m) {
           "the newest first, or \"K:STRIDE\". reference: \"rest\" puts the rest of the grip behind them. friction: two "
           "more numbers, mu and its spread as told. As of train().")
       .def_readonly("axes", &Set::axes, "stresses of a tactel: 2; of a pad 3, or 1")
-      .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
-      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm, of pads N, of the indenter on the rubber")
+      .def_property_readonly("slip_index", list(&Set::slip_index), "[rows] S")
+      .def_property_readonly("P", list(&Set::normal_force), "[rows] N/mm, of pads N, of the indenter on the rubber")
       .def_property_readonly("Q", directed(&Set::tangential_force), "[rows] N/mm, of pads [rows, 2] N, as P")
-      .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads, as P")
-      .def_property_readonly("force_ratio", column(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
-      .def_property_readonly("slid", column(&Set::slid),
+      .def_property_readonly("M", list(&Set::torque), "[rows] N mm, of pads, as P")
+      .def_property_readonly("force_ratio", list(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
+      .def_property_readonly("slid", list(&Set::slid),
                              "[rows] slide as a whole since first touch over the elastic limit, of pads")
-      .def_property_readonly("slip_path", column(&Set::slip_path),
+      .def_property_readonly("slip_path", list(&Set::slip_path),
                              "[rows] the cells' rms slips since first touch, summed, over that limit, of pads")
       .def_property_readonly("net_slip", directed(&Set::net_slip),
                              "[rows, 2] mean slips since first touch, added up, over that limit, of grips with a rate")
-      .def_property_readonly("net_turn", column(&Set::net_turn),
+      .def_property_readonly("net_turn", list(&Set::net_turn),
                              "[rows] their turn times the contact's rms radius, the same")
-      .def_property_readonly("slid_ahead", column(&Set::slid_ahead),
+      .def_property_readonly("slid_ahead", list(&Set::slid_ahead),
                              "[rows] how far slid grows in the next 0.2 s; NaN where the grip ends before")
-      .def_property_readonly("twist", column(&Set::twist), "[rows] degrees, of pads")
-      .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
+      .def_property_readonly("twist", list(&Set::twist), "[rows] degrees, of pads")
+      .def_property_readonly("indentation", list(&Set::indentation), "[rows] mm, depth since first touch")
       .def_property_readonly("tangential", directed(&Set::tangential),
                              "[rows] mm, way along x since first touch; of pads [rows, 2]")
       .def_property_readonly("tactel_x", column(&Set::tactel_x), "[tactels] mm; empty where contacts differ in them")
@@ -135,17 +140,16 @@ void bind_set(py::module_& m) {
           "[contacts, parameter_names] what was drawn; NaN: the contact has no such number")
       .def_readonly("parameter_names", &Set::parameter_names, "keys, such as indenter.radius")
       .def_readonly("parameter_units", &Set::parameter_units)
-      .def_property_readonly("friction", column(&Set::friction), "[rows] mu")
-      .def_property_readonly("stick_fraction", column(&Set::stick_fraction), "[rows] stuck length over contact length")
-      .def_property_readonly("residual", column(&Set::residual), "[rows] largest relative residual")
-      .def_property_readonly("contact", column(&Set::contact), "[rows] contact of the sweep")
-      .def_property_readonly("step", column(&Set::step), "[rows] load step of the contact")
-      .def_property_readonly("indenter", column(&Set::indenter), "[rows] index in indenter_names")
-      .def_property_readonly("contact_nodes", column(&Set::contact_nodes),
-                             "[rows] surface nodes or elements that touch")
-      .def_property_readonly("status", column(&Set::status),
+      .def_property_readonly("friction", list(&Set::friction), "[rows] mu")
+      .def_property_readonly("stick_fraction", list(&Set::stick_fraction), "[rows] stuck length over contact length")
+      .def_property_readonly("residual", list(&Set::residual), "[rows] largest relative residual")
+      .def_property_readonly("contact", list(&Set::contact), "[rows] contact of the sweep")
+      .def_property_readonly("step", list(&Set::step), "[rows] load step of the contact")
+      .def_property_readonly("indenter", list(&Set::indenter), "[rows] index in indenter_names")
+      .def_property_readonly("contact_nodes", list(&Set::contact_nodes), "[rows] surface nodes or elements that touch")
+      .def_property_readonly("status", list(&Set::status),
                              "[rows] 0 solved, 1 sliding, 2 over tolerance, 3 few cells touch")
-      .def_property_readonly("outside", column(&Set::outside),
+      .def_property_readonly("outside", list(&Set::outside),
                              "[rows] of pads, what the model does not serve: sum of 1 nearer than the thickness H to "
                              "an edge, 2 farther than H from every tactel at a pitch above 2 H, 4 cells longer than H")
       .def_readonly("indenter_names", &Set::indenter_names)

@@ -58,11 +58,11 @@ SetColumns columns_of(const SetFile& in) {
   for (const char* name : {"parameters", "tactel_x", "tactel_y"}) leave_out(name, 0, 0, "");
   columns.slid_of_cells = !has.contains("slip_path") && in.text("sweep").find("[load.hold]") != std::string::npos;
   if (columns.has("parameters")) {
-    columns.parameters = in.texts("parameters", "columns");
+    columns.parameter_names = in.texts("parameters", "columns");
     columns.parameter_units = in.texts("parameters", "units");
-    if (columns.parameters.empty() || columns.parameters.size() != columns.parameter_units.size())
+    if (columns.parameter_names.empty() || columns.parameter_names.size() != columns.parameter_units.size())
       in.refuse("parameters",
-                fmt::format("{} columns, {} units", columns.parameters.size(), columns.parameter_units.size()),
+                fmt::format("{} columns, {} units", columns.parameter_names.size(), columns.parameter_units.size()),
                 "a name and a unit for each column");
   }
   return columns;
@@ -124,9 +124,9 @@ struct Columns {
   }
   void open_parameters(const SetFile& in) {
     parameters.emplace(in.column<float>("parameters", true));
-    if (static_cast<std::size_t>(parameters->columns) != of.parameters.size())
+    if (static_cast<std::size_t>(parameters->columns) != of.parameter_names.size())
       in.refuse("parameters", fmt::format("{} columns", parameters->columns),
-                fmt::format("{}, one for each name of its attribute columns", of.parameters.size()));
+                fmt::format("{}, one for each name of its attribute columns", of.parameter_names.size()));
     if (parameters->rows != in.number("contacts"))
       in.refuse("parameters", fmt::format("{} rows", parameters->rows),
                 fmt::format("{}, the attribute contacts", in.number("contacts")));
@@ -147,10 +147,10 @@ struct Columns {
   /// NaN: the contact has no such number. Friction may be unlimited.
   void read_parameters(const SetFile& in, ContactSet& set) const {
     if (!parameters) return;
-    in.read(*parameters, 0, parameters->rows, set.contact_parameters);
-    const std::size_t columns = of.parameters.size();
-    for (std::size_t i = 0; i < set.contact_parameters.size(); ++i)
-      if (std::isinf(set.contact_parameters[i]) && of.parameters[i % columns] != "contact.friction")
+    in.read(*parameters, 0, parameters->rows, set.parameters);
+    const std::size_t columns = of.parameter_names.size();
+    for (std::size_t i = 0; i < set.parameters.size(); ++i)
+      if (std::isinf(set.parameters[i]) && of.parameter_names[i % columns] != "contact.friction")
         in.refuse(fmt::format("parameters[{}]", i / columns), "infinity", "finite numbers, or NaN where there is none");
   }
 
@@ -162,7 +162,7 @@ struct Columns {
 
 /// Throws where so many rows do not fit into memory, before any is allocated.
 void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& columns, std::uint64_t contacts = 0) {
-  const double of_contacts = static_cast<double>(contacts) * static_cast<double>(columns.parameters.size());
+  const double of_contacts = static_cast<double>(contacts) * static_cast<double>(columns.parameter_names.size());
   const double bytes =
       static_cast<double>(rows) * static_cast<double>(row_bytes(columns)) + sizeof(float) * of_contacts;
   if (const double memory = memory_bytes(); bytes > memory)
@@ -226,7 +226,7 @@ SetColumns ContactSet::columns() const {
   SetColumns columns = *this;
   if (rows() > 0 && indentation.empty()) columns.left_out.insert("indentation");
   if (rows() > 0 && tangential.empty()) columns.left_out.insert("tangential");
-  if (contact_parameters.empty()) columns.parameters.clear(), columns.parameter_units.clear();
+  if (parameters.empty()) columns.parameter_names.clear(), columns.parameter_units.clear();
   return columns;
 }
 

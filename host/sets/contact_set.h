@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/set_arrays.h>
+
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -9,12 +12,15 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "host/support/each_of.h"
 #include "nn/frame_set.h"
 
 namespace tactel::host {
+
+using tactel::SetArrays;
 
 /// Which datasets a set has.
 struct SetColumns {
@@ -23,10 +29,10 @@ struct SetColumns {
   bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
   bool pad;      ///< contacts on pads
   int axes = 2;  ///< stresses of a tactel; of a pad 3, or 1
-  std::vector<std::string> parameters, parameter_units;  ///< columns of `/parameters`, ContactParameters; or none
-  std::vector<float> tactel_x;                           ///< [tactels] mm; empty where contacts differ in them
-  std::vector<float> tactel_y;                           ///< [tactels] mm, of pads, whose x is the fastest
-  std::set<std::string> left_out;                        ///< names of datasets that the set does not have
+  std::vector<std::string> parameter_names, parameter_units;  ///< of `/parameters`, ContactParameters; or none
+  std::vector<float> tactel_x;                                ///< [tactels] mm; empty where contacts differ in them
+  std::vector<float> tactel_y;                                ///< [tactels] mm, of pads, whose x is the fastest
+  std::set<std::string> left_out;                             ///< names of datasets that the set does not have
 
   bool slid_of_cells = false;  ///< of grips without /slip_path, whose /slid may be that, as it was before
   bool has(const char* dataset) const { return !left_out.contains(dataset); }
@@ -59,111 +65,106 @@ struct SetCounts {
 };
 
 /// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
-struct ContactSet : SetColumns, SetCounts {
+struct ContactSet : SetColumns, SetCounts, SetArrays {
   ContactSet() = default;
   explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}
 
-  std::vector<float> frames;        ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
-  std::vector<float> slip_index;    ///< [rows] S = Q / (mu P); of pads 1 / lambda
-  std::vector<float> normal_force;  ///< [rows] P, N/mm; of pads N
-  std::vector<float> tangential_force, tangential;  ///< [rows, directions] Q; position since first touch, mm
-  std::vector<float> indentation;                   ///< [rows] mm: depth
-  std::vector<float> torque, twist, force_ratio;    ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> slid, slip_path;               ///< [rows] of pads: nn::definition of these targets
-  std::vector<float> net_slip, net_turn;            ///< [rows, directions], [rows] of grips with a rate
-  std::vector<float> slid_ahead;                    ///< [rows] the same
-  std::vector<float> friction;                      ///< [rows] mu
-  std::vector<float> stick_fraction;                ///< [rows] stuck share of the contact's length or cells
-  std::vector<std::uint16_t> contact_nodes;         ///< [rows] surface nodes, or cells, that touch
-  std::vector<std::uint64_t> contact;               ///< [rows] contact of the sweep
-  std::vector<std::uint32_t> step;                  ///< [rows] load step of the contact, from 0
-  std::vector<std::uint16_t> indenter;              ///< [rows] kind of indenter: an index in indenter_names
-  std::vector<std::uint8_t> status;   ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance; or coarse_row
-  std::vector<float> residual;        ///< [rows] largest relative residual
-  std::vector<std::uint8_t> outside;  ///< [rows] of pads: sum of PadOutside of the row's contact
-  std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
-  std::vector<float> contact_parameters;                 ///< `/parameters` [contacts, parameters]; NaN: has none
+  std::string version;  ///< attribute `tactel`: of the program that wrote the file
 
-  std::vector<std::string> indenter_names;  ///< attribute
-  std::string version;                      ///< attribute `tactel`: of the program that wrote the file
-  std::string sweep;                        ///< attribute: text of the sweep file
-  std::string device, rung;                 ///< attributes: devices and model
-  std::string transducer;                   ///< attribute: measuring chain of the stresses, nn::description
-  bool press_rows = false;                  ///< attribute: the load steps of the pressing are rows, too
-  std::uint64_t seed = 0;                   ///< attribute
-  std::uint64_t contacts = 0;               ///< attribute: contacts that were simulated
-  std::string plan;  ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
-
-  std::size_t rows() const { return slip_index.size(); }
   /// Returns which datasets a file of this set has: all but those left out and those of later versions that are empty.
   SetColumns columns() const;
   /// Returns the frames and answers for training and judging networks.
   nn::FrameSet frames_with_answers() const;
 };
 
-/// Numbers of a row in a dataset.
-enum class RowWidth { one, directions, inputs };
+/// A row: what set_columns puts into the datasets with rows, but for the inputs. Of lines x alone counts.
+struct SetRow {
+  double slip_index = 0, P = 0;
+  std::array<double, 2> Q{}, tangential{}, net_slip{};
+  double M = 0, force_ratio = 0, slid = 0, slip_path = 0, net_turn = 0, slid_ahead = 0;
+  double indentation = 0, twist = 0, friction = 0, stick_fraction = 0, residual = 0;
+  int touching = 0, outside = 0, step = 0, kind = 0, status = 0;
+  std::uint64_t contact = 0;
+  double poisson = 0, thickness = 0, young = 0, length = 0;  ///< of the contact's sensor
+};
 
 /// A unit of pads that is that of lines.
 inline constexpr const char* as_line = "as of lines";
 
 /// A dataset with rows.
-template <class Values>
+template <class Values, class Number>
 struct SetColumn {
   const char* name;
   const char *line, *pad;  ///< unit of lines, of pads; null: their sets have none
   Values& value;
-  RowWidth width = RowWidth::one;
+  Number number;            ///< member of SetRow; null: the inputs
   bool of_sensors = false;  ///< only where each contact has its own sensor
+
+  static constexpr bool is_inputs = std::is_null_pointer_v<Number>;
+  static constexpr bool is_directed = std::is_same_v<Number, std::array<double, 2> SetRow::*>;
+  /// Returns the numbers of a row: 1, or as many as the set has directions or inputs.
+  int width(const SetColumns& set) const { return is_inputs ? set.inputs : is_directed ? set.directions() : 1; }
+  /// Puts a row into place `at`, where the set has this dataset.
+  void put(std::size_t at, const SetRow& row, std::size_t directions) const {
+    using To = typename Values::value_type;
+    if (value.empty()) return;
+    if constexpr (is_directed)
+      for (std::size_t axis = 0; axis < directions; ++axis)
+        value[directions * at + axis] = static_cast<To>((row.*number)[axis]);
+    else if constexpr (!is_inputs)
+      value[at] = static_cast<To>(row.*number);
+  }
 };
-template <class Values, class... More>
-SetColumn(const char*, const char*, const char*, Values&, More...) -> SetColumn<Values>;
+template <class Values, class Number, class... More>
+SetColumn(const char*, const char*, const char*, Values&, Number, More...) -> SetColumn<Values, Number>;
 
 /// Returns the datasets with rows of a set, in their order: of a ContactSet, or of the public Set, whose arrays have
 /// the same names.
 template <class Set>
 auto set_columns(Set& set) {
-  constexpr auto sensors = [](const char* name, const char* line, const char* pad, auto& values) {
-    return SetColumn{name, line, pad, values, RowWidth::one, true};
-  };
+  using Row = SetRow;
   return std::tuple{
       SetColumn{"inputs", "MPa; normal stress of every tactel, then shear",
-                "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y", set.frames, RowWidth::inputs},
+                "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y", set.frames, nullptr},
       SetColumn{"slip_index", "1; Q / (mu P)", "1; 1 / lambda, the share of the contact's limit that (Q, M) take",
-                set.slip_index},
-      SetColumn{"normal_force", "N/mm", "N", set.normal_force},
-      SetColumn{"tangential_force", "N/mm", "N; along x and y", set.tangential_force, RowWidth::directions},
-      SetColumn{"torque", nullptr, "N mm; about the indenter's axis", set.torque},
-      SetColumn{"force_ratio", nullptr, "1; |Q| / (mu P)", set.force_ratio},
+                set.slip_index, &Row::slip_index},
+      SetColumn{"normal_force", "N/mm", "N", set.normal_force, &Row::P},
+      SetColumn{"tangential_force", "N/mm", "N; along x and y", set.tangential_force, &Row::Q},
+      SetColumn{"torque", nullptr, "N mm; about the indenter's axis", set.torque, &Row::M},
+      SetColumn{"force_ratio", nullptr, "1; |Q| / (mu P)", set.force_ratio, &Row::force_ratio},
       SetColumn{"slid", nullptr, "1; slide of the contact as a whole since first touch over its elastic limit",
-                set.slid},
+                set.slid, &Row::slid},
       SetColumn{"slip_path", nullptr, "1; rms slips of the cells that touch since first touch, summed, over that limit",
-                set.slip_path},
+                set.slip_path, &Row::slip_path},
       SetColumn{"net_slip", nullptr,
                 "1; mean slips of the cells that touch since first touch, x and y, over that limit", set.net_slip,
-                RowWidth::directions},
-      SetColumn{"net_turn", nullptr, "1; their turn times the contact's rms radius, over that limit", set.net_turn},
+                &Row::net_slip},
+      SetColumn{"net_turn", nullptr, "1; their turn times the contact's rms radius, over that limit", set.net_turn,
+                &Row::net_turn},
       SetColumn{"slid_ahead", nullptr, "1; how far slid grows in the next 0.2 s; NaN where the grip ends before",
-                set.slid_ahead},
-      SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation},
+                set.slid_ahead, &Row::slid_ahead},
+      SetColumn{"indentation", "mm; depth of the indenter since first touch", as_line, set.indentation,
+                &Row::indentation},
       SetColumn{"tangential", "mm; position of the indenter along x since first touch",
-                "mm; position of the indenter along x and y since first touch", set.tangential, RowWidth::directions},
-      SetColumn{"twist", nullptr, "degrees; of the indenter about its axis since first touch", set.twist},
-      SetColumn{"friction", "1", as_line, set.friction},
+                "mm; position of the indenter along x and y since first touch", set.tangential, &Row::tangential},
+      SetColumn{"twist", nullptr, "degrees; of the indenter about its axis since first touch", set.twist, &Row::twist},
+      SetColumn{"friction", "1", as_line, set.friction, &Row::friction},
       SetColumn{"stick_fraction", "1; stuck length over contact length", "1; stuck cells over touching cells",
-                set.stick_fraction},
-      SetColumn{"contact_nodes", "surface nodes that touch", "surface cells that touch", set.contact_nodes},
+                set.stick_fraction, &Row::stick_fraction},
+      SetColumn{"contact_nodes", "surface nodes that touch", "surface cells that touch", set.contact_nodes,
+                &Row::touching},
       SetColumn{"outside", nullptr, "1 at an edge, 2 far from tactels, 4 cells wider than the thickness; their sum",
-                set.outside},
-      SetColumn{"contact", "which contact", as_line, set.contact},
-      SetColumn{"step", "which load step of the contact", as_line, set.step},
-      SetColumn{"indenter", "place in the attribute indenter_names", as_line, set.indenter},
-      SetColumn{"status", "0 solved, 1 sliding, 2 over tolerance, 3 few elements or cells touch", as_line, set.status},
-      SetColumn{"residual", "1; largest relative residual", as_line, set.residual},
-      sensors("poisson", "1; of the contact's own sensor", as_line, set.poisson),
-      sensors("thickness", "mm; of the contact's own sensor", as_line, set.thickness),
-      sensors("young", "MPa; of the contact's own sensor", as_line, set.young),
-      sensors("length", "mm; of the contact's own sensor", nullptr, set.length)};
+                set.outside, &Row::outside},
+      SetColumn{"contact", "which contact", as_line, set.contact, &Row::contact},
+      SetColumn{"step", "which load step of the contact", as_line, set.step, &Row::step},
+      SetColumn{"indenter", "place in the attribute indenter_names", as_line, set.indenter, &Row::kind},
+      SetColumn{"status", "0 solved, 1 sliding, 2 over tolerance, 3 few elements or cells touch", as_line, set.status,
+                &Row::status},
+      SetColumn{"residual", "1; largest relative residual", as_line, set.residual, &Row::residual},
+      SetColumn{"poisson", "1; of the contact's own sensor", as_line, set.poisson, &Row::poisson, true},
+      SetColumn{"thickness", "mm; of the contact's own sensor", as_line, set.thickness, &Row::thickness, true},
+      SetColumn{"young", "MPa; of the contact's own sensor", as_line, set.young, &Row::young, true},
+      SetColumn{"length", "mm; of the contact's own sensor", nullptr, set.length, &Row::length, true}};
 }
 
 /// Calls visit(name, values, columns, unit) for every dataset with rows of the kind of a set, also those that it leaves
@@ -173,8 +174,8 @@ void each_column(Set& set, const Visit& visit) {
   each(set_columns(set), [&](const auto& column) {
     const char* const unit = set.pad && column.pad != as_line ? column.pad : column.line;
     if (unit == nullptr || (column.of_sensors && !set.sensors)) return;
-    const bool directed = column.width == RowWidth::directions && set.pad;
-    visit(column.name, column.value, column.width == RowWidth::inputs ? set.inputs : directed ? 2 : 0, unit);
+    const bool list = !column.is_inputs && column.width(set) == 1;
+    visit(column.name, column.value, list ? 0 : column.width(set), unit);
   });
 }
 /// The same of those that it has.
@@ -188,8 +189,8 @@ void each_dataset(Set& set, const Visit& visit) {
 /// The same for the datasets of a set that have no rows: a row a contact, and one a tactel.
 template <class Set, class Visit>
 void each_other_dataset(Set& set, const Visit& visit) {
-  if (set.has("parameters") && !set.parameters.empty())
-    visit("parameters", set.contact_parameters, static_cast<int>(set.parameters.size()),
+  if (set.has("parameters") && !set.parameter_names.empty())
+    visit("parameters", set.parameters, static_cast<int>(set.parameter_names.size()),
           "one row a contact; attributes columns and units");
   if (set.has("tactel_x") && !set.tactel_x.empty()) visit("tactel_x", set.tactel_x, 0, "mm");
   if (set.has("tactel_y") && !set.tactel_y.empty()) visit("tactel_y", set.tactel_y, 0, "mm");

@@ -204,7 +204,7 @@ std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compres
     create(name, values, width, unit, width > 0 ? rows.contacts : values.size(), rows_of_chunk(width),
            std::move(dimensions));
     if (good && width > 0)
-      good = write_text(all.back().data, "columns", joined(rows.columns.parameters)) &&
+      good = write_text(all.back().data, "columns", joined(rows.columns.parameter_names)) &&
              write_text(all.back().data, "units", joined(rows.columns.parameter_units));
   });
   if (!good || !write_text(file, "columns", names)) all.clear();
@@ -287,7 +287,8 @@ bool write_set_file(const std::filesystem::path& path, const SetRows& rows, cons
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
   SetRows rows;
   rows.columns = set.columns(), rows.rows = set.rows();
-  if (!rows.columns.parameters.empty()) rows.contacts = set.contact_parameters.size() / rows.columns.parameters.size();
+  if (!rows.columns.parameter_names.empty())
+    rows.contacts = set.parameters.size() / rows.columns.parameter_names.size();
   struct Dataset {
     std::string_view bytes;
     std::size_t row_bytes;

@@ -196,7 +196,7 @@ double expected_bytes(const AnySource& any, const SetColumns& columns) {
       add_rows(hold.frames.size(), static_cast<std::size_t>(hold.pressing()));
     }
   }
-  const std::size_t numbers = columns.has("parameters") ? columns.parameters.size() : 0;
+  const std::size_t numbers = columns.has("parameters") ? columns.parameter_names.size() : 0;
   const double of_contact =
       static_cast<double>(rows) / static_cast<double>(sample) * static_cast<double>(row_bytes(columns)) +
       static_cast<double>(numbers * sizeof(float));

@@ -14,7 +14,7 @@
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
 #include "host/contact/sensor_tables.h"
-#include "host/sets/hold_simulator.h"
+#include "host/sets/held_contacts.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
@@ -25,210 +25,227 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One load step of a contact.
-struct Row {
-  std::optional<double> slip_index{};  ///< none: the step is no row
-  double P = 0, indentation = 0, slip_distance = 0, residual = 0;
-  std::array<double, 2> Q{}, tangential{};        ///< of lines the first alone
-  double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
-  double slid = 0, slip_path = 0;                 ///< mm, of pads: as fem::PadStep
+/// A load step of a contact: its row, and what else the contact is judged by.
+struct Step : SetRow {
+  bool defined = false;                           ///< S is: else the step is no row
+  double slip_distance = 0;                       ///< mm
   double area = 0;                                ///< of pads: mm^2 of the cells that touch
   fem::PadBox reach{fem::nowhere, fem::nowhere};  ///< of pads: around these, from the indenter's axis
-  int across = 0;                                 ///< elements or cells over which they extend, along the shorter side
-  int sticking = 0, slipping = 0, status = LANE_SOLVED;
+  int across = 0;  ///< elements or cells over which the contact extends, along the shorter side
 };
 
-/// A contact but for its shape and path, which its launch has.
+/// A contact but for its shape, which its launch has.
 template <class Contacts>
 struct Contact {
-  static constexpr bool of_lines = std::is_same_v<Contacts, LineContacts>;
-  struct NoPath {};
-
   std::uint64_t number = 0;  ///< in the sweep
   typename Contacts::Sensor sensor;
   double friction = 0;
-  int first_step = 0;  ///< the first that may be a row
-  int presses = 0;     ///< of pads: steps that press on from first touch (fem/pad/pad_presses.h)
-  int least = 0;       ///< elements or cells over which a step must extend: else its row is marked; known by survey
   std::uint16_t kind = 0;
-  bool until_sliding = false;
-  [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
-  std::array<double, 2> position{};                                            ///< of pads, mm
-  int outside = 0;                                                             ///< of pads: sum of PadOutside
+  int first_step = 0;          ///< the first that may be a row
+  bool until_sliding = false;  ///< of lines
+  PadPath path{};              ///< of paths on pads: results do not hold it
+  int presses = 0;             ///< its steps that press on from first touch (fem/pad/pad_presses.h)
+  std::array<double, 2> at{};  ///< of the indenter, mm
+  int least = 0, outside = 0;  ///< elements or cells below which a row is marked; sum of PadOutside: known by survey
 };
 using LineContact = Contact<LineContacts>;
-using PadContactOf = Contact<PadContacts>;
-
-/// Elements that touch, or cells over which the contact extends along its shorter side.
-int across_of(const LaneAnswer& answer, const LineContact&, int k) {
-  return static_cast<int>(answer.result(k, RESULT_STICKING) + answer.result(k, RESULT_SLIPPING));
-}
-int across_of(const LaneAnswer& answer, const PadContactOf&, int k) {
-  return static_cast<int>(answer.result(k, PAD_RESULT_ACROSS));
-}
-
-/// What is read of the answer of a kernel.
+using PathContact = Contact<PadContacts>;
+using GripContact = Contact<HeldContacts>;
 template <class Contacts>
-[[gnu::always_inline]] inline Row row_of(const LaneAnswer& answer, const Contact<Contacts>& contact, int k) {
+constexpr bool of_lines = std::is_same_v<Contacts, LineContacts>;
+template <class Contacts>
+constexpr bool of_paths = std::is_same_v<Contacts, PadContacts>;
+
+void take_path(LineContact& contact, const fem::Scene&, const fem::LoadPath& path) {
+  contact.first_step = path.indentation_steps - 1, contact.until_sliding = path.until_sliding;
+}
+void take_path(PathContact& contact, const fem::PadScene& scene, const PadPath& path) {
+  contact.first_step = static_cast<int>(fem::pressing_targets(scene.load)) - 1;
+  contact.presses = static_cast<int>(fem::presses_on(scene.load));
+  contact.path = path, contact.at = scene.indenter.position;
+}
+void take_path(GripContact& contact, const HeldScene& scene, const HeldContacts::Path&) {
+  contact.first_step = scene.hold.pressing() - 1;
+}
+
+// What the kernel says of step k of an answer in place. A step in memory, written by number and copied by vector,
+// stalls.
+
+template <class Contacts>
+[[gnu::always_inline]] inline Step common_step(const LaneAnswer& answer, const Contact<Contacts>& contact, int k) {
   const auto result = [&](int row) { return answer.result(k, row); };
-  Row row{.slip_index = slip_index(contact.friction, result(RESULT_P), result(RESULT_S)),
-          .P = result(RESULT_P),
-          .indentation = result(RESULT_DEPTH),
-          .slip_distance = result(RESULT_SLIP_DISTANCE),
-          .residual = std::max({result(RESULT_PENETRATION), result(RESULT_COMPLEMENTARITY), result(RESULT_CONE),
-                                result(RESULT_DRIFT), result(RESULT_OWN_RESIDUAL)}),
-          .across = across_of(answer, contact, k),
-          .sticking = static_cast<int>(result(RESULT_STICKING)),
-          .slipping = static_cast<int>(result(RESULT_SLIPPING)),
-          .status = static_cast<int>(result(RESULT_STATUS))};
-  if constexpr (Contact<Contacts>::of_lines) {
-    row.Q[0] = result(LANE_Q), row.tangential[0] = result(LANE_TANGENTIAL);
-  } else {
-    const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
-    row.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, row.tangential = {at.x, at.y};
-    row.torque = result(PAD_RESULT_M), row.twist = fem::degrees(at.twist), row.area = result(PAD_RESULT_AREA);
-    row.slid = result(PAD_RESULT_SLID), row.slip_path = result(PAD_RESULT_SLIP_PATH);
-    row.reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
-                 {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}};
-    if (row.slip_index) row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / (contact.friction * row.P);
-  }
-  return row;
+  const auto sticking = static_cast<int>(result(RESULT_STICKING));
+  Step step;
+  step.P = result(RESULT_P), step.indentation = result(RESULT_DEPTH);
+  const std::optional<double> index = slip_index(contact.friction, step.P, result(RESULT_S));
+  step.defined = index.has_value(), step.slip_index = index.value_or(0);
+  step.slip_distance = result(RESULT_SLIP_DISTANCE), step.status = static_cast<int>(result(RESULT_STATUS));
+  step.touching = sticking + static_cast<int>(result(RESULT_SLIPPING));
+  step.stick_fraction = step.touching ? static_cast<double>(sticking) / step.touching : 0;
+  step.residual = std::max({result(RESULT_PENETRATION), result(RESULT_COMPLEMENTARITY), result(RESULT_CONE),
+                            result(RESULT_DRIFT), result(RESULT_OWN_RESIDUAL)});
+  return step;
 }
-
-/// The same of a contact that was solved again. Both kinds of steps count statuses of nodes or cells alike.
-template <class Step>
-Row row_common(const Step& step) {
-  const auto touching = [&](fem::GapStatus status) {
-    return static_cast<int>(std::ranges::count(step.status, status));
-  };
-  const int sticking = touching(fem::GapStatus::stick);
-  return {.slip_index = step.slip_index,
-          .P = step.P,
-          .indentation = step.indentation,
-          .slip_distance = step.slip_distance,
-          .sticking = sticking,
-          .slipping = touching(fem::GapStatus::slip),
-          .status = !step.converged ? LANE_UNSOLVED
-                    : sticking      ? LANE_SOLVED
-                                    : LANE_SLIDING};
-}
-Row row_of(const fem::ContactStep& step) {
-  Row row = row_common(step);
-  row.Q = {step.Q}, row.tangential = {step.tangential}, row.residual = fem::largest(step.residual);
-  row.across = row.sticking + row.slipping;
-  return row;
-}
-Row row_of(const fem::PadStep& step) {
-  Row row = row_common(step);
-  row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
-  row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
-  row.area = step.area, row.reach = step.reach, row.across = step.across, row.slid = step.slid,
-  row.slip_path = step.slip_path;
-  return row;
-}
-void put_stress(const fem::ContactStep& step, std::span<float> frame) {
-  std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
-  std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
-}
-void put_stress(const fem::PadStep& step, std::span<float> frame) {  // [tactels, 3] by columns
-  std::transform(step.stress.data(), step.stress.data() + frame.size(), frame.begin(),
-                 [](double stress) { return static_cast<float>(stress); });
-}
-
-/// Contacts that have steps that were solved alone, by their place in the range.
 template <class Contacts>
-using Alone = std::map<std::uint64_t, typename StreamOf<Contacts>::Alone>;
+[[gnu::always_inline]] inline Step common_pad_step(const LaneAnswer& answer, const Contact<Contacts>& contact, int k) {
+  const auto result = [&](int row) { return answer.result(k, row); };
+  Step step = common_step(answer, contact, k);
+  step.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, step.M = result(PAD_RESULT_M);
+  if (step.defined) step.force_ratio = std::hypot(step.Q[0], step.Q[1]) / (contact.friction * step.P);
+  step.slid = result(PAD_RESULT_SLID), step.slip_path = result(PAD_RESULT_SLIP_PATH);
+  step.area = result(PAD_RESULT_AREA), step.across = static_cast<int>(result(PAD_RESULT_ACROSS));
+  return step;
+}
+[[gnu::always_inline]] inline Step step_of(const LaneAnswer& answer, const LineContact& contact, int k) {
+  Step step = common_step(answer, contact, k);
+  step.Q[0] = answer.result(k, LANE_Q), step.tangential[0] = answer.result(k, LANE_TANGENTIAL);
+  step.across = step.touching;
+  return step;
+}
+[[gnu::always_inline]] inline Step step_of(const LaneAnswer& answer, const PathContact& contact, int k) {
+  const auto result = [&](int row) { return answer.result(k, row); };
+  Step step = common_pad_step(answer, contact, k);
+  const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
+  step.tangential = {at.x, at.y}, step.twist = fem::degrees(at.twist);
+  step.reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
+                {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}};
+  return step;
+}
+Step step_of(const LaneAnswer& answer, const GripContact& contact, int k) {
+  const auto result = [&](int row) { return answer.result(k, row); };
+  Step step = common_pad_step(answer, contact, k);
+  step.tangential = {result(HELD_X), result(HELD_Y)}, step.twist = fem::degrees(result(HELD_TWIST));
+  step.stick_fraction = result(HELD_STICK);
+  step.net_slip = {result(HELD_NET_X), result(HELD_NET_Y)}, step.net_turn = result(HELD_NET_TURN);
+  step.slid_ahead = result(HELD_SLID_AHEAD), step.outside = static_cast<int>(result(HELD_OUTSIDE));
+  return step;
+}
+
+double element_of(const LaneAnswer& answer, const LineContact&) { return answer.element(); }
+template <class Contacts>
+double element_of(const LaneAnswer& answer, const Contact<Contacts>&) {
+  return answer.result(0, PAD_RESULT_CELL);
+}
+
+// The same of a contact that was solved again.
+
+template <class From>
+Step common_step(const From& from) {
+  const auto count = [&](fem::GapStatus status) { return static_cast<int>(std::ranges::count(from.status, status)); };
+  const int sticking = count(fem::GapStatus::stick);
+  Step step;
+  step.P = from.P, step.indentation = from.indentation, step.slip_distance = from.slip_distance;
+  step.defined = from.slip_index.has_value(), step.slip_index = from.slip_index.value_or(0);
+  step.touching = sticking + count(fem::GapStatus::slip);
+  step.stick_fraction = step.touching ? static_cast<double>(sticking) / step.touching : 0;
+  step.status = !from.converged ? LANE_UNSOLVED : sticking ? LANE_SOLVED : LANE_SLIDING;
+  return step;
+}
+Step step_of(const fem::ContactStep& from) {
+  Step step = common_step(from);
+  step.Q[0] = from.Q, step.tangential[0] = from.tangential, step.residual = fem::largest(from.residual);
+  step.across = step.touching;
+  return step;
+}
+Step step_of(const fem::PadStep& from) {
+  Step step = common_step(from);
+  step.Q = {from.Q[0], from.Q[1]}, step.M = from.M, step.force_ratio = from.force_ratio.value_or(0);
+  step.tangential = {from.x, from.y}, step.twist = fem::degrees(from.twist), step.residual = from.residual.largest();
+  step.slid = from.slid, step.slip_path = from.slip_path;
+  step.area = from.area, step.across = from.across, step.reach = from.reach;
+  return step;
+}
+
+std::vector<float> stress_of(const fem::ContactStep& step) {
+  std::vector<float> frame(step.sigma_y.begin(), step.sigma_y.end());
+  frame.insert(frame.end(), step.tau_xy.begin(), step.tau_xy.end());
+  return frame;
+}
+std::vector<float> stress_of(const fem::PadStep& step) {  // [tactels, 3] by columns
+  return {step.stress.data(), step.stress.data() + step.stress.size()};
+}
+
+double element_of(const fem::ContactSolution& solution, const fem::Sensor& sensor) {
+  return solution.surface_width.size() > 0 ? solution.surface_width[0] : sensor.length / (sensor.columns - 1);
+}
+double element_of(const fem::PadSolution& solution, const fem::PadSensor&) {
+  return std::max(solution.cells.hx, solution.cells.hy);
+}
 
 /// Elements or cells a side of an answer. 0: of a mesh, which is not laid for a contact.
 int along_side(const fem::ContactSolution& solution) { return static_cast<int>(solution.surface_width.size()); }
 int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
 
-/// Returns over how many elements or cells, of so many, a step must extend. across(k): of a pad's step k.
-template <bool of_lines, class Across>
-int least_across_of(int along_side, int steps, const Across& across) {
-  if (along_side == 0) return 0;
-  if constexpr (of_lines) {
-    return fem::least_elements;
-  } else {
-    int widest = 0;
-    for (int k = 0; k < steps; ++k) widest = std::max(widest, across(k));
-    return fem::least_across(along_side, widest);
-  }
-}
+bool slides(const fem::ContactSolution& solution) { return solution.sliding; }
+bool slides(const fem::PadSolution&) { return true; }
 
-/// Marks a row whose contact extends over few elements or cells.
-void mark(Row& row, int least) {
-  const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
-  if (solved && row.across < least) row.status = coarse_row;
-}
+/// What stands in place of the answer of a launch.
+struct SolvedAgain {
+  std::vector<Step> steps{};
+  std::vector<std::vector<float>> stresses{};  ///< [steps][inputs]; empty: the launch's
+  double element = 0;                          ///< mm
+  bool slides = true;                          ///< the last step, as a whole
+};
 
-/// The steps of an answer in place, but for those that were solved alone.
 template <class Contacts>
-struct StepsOfLane {
-  int count() const { return answer.steps; }
-  double element() const {
-    if constexpr (Contact<Contacts>::of_lines) return answer.element();
-    return answer.result(0, PAD_RESULT_CELL);
+SolvedAgain solved_again(const typename Contacts::Solution& solution, const Contact<Contacts>& contact) {
+  SolvedAgain again{.element = element_of(solution, contact.sensor), .slides = slides(solution)};
+  for (const auto& step : solution.steps)
+    again.steps.push_back(step_of(step)), again.stresses.push_back(stress_of(step));
+  return again;
+}
+/// Of an answer with steps that were solved alone. These extend over cells enough.
+template <class Contacts>
+SolvedAgain solved_again(const LaneAnswer& answer, const typename StreamOf<Contacts>::Alone& alone,
+                         const Contact<Contacts>& contact) {
+  SolvedAgain again{.element = element_of(answer, contact)};
+  again.stresses.resize(static_cast<std::size_t>(answer.steps));
+  int widest = 0;
+  for (int k = 0; k < answer.steps; ++k) {
+    again.steps.push_back(step_of(answer, contact, k));
+    widest = std::max(widest, again.steps.back().across);
   }
-  [[gnu::always_inline]] Row row(int k) const {  // a row in memory, written by number and copied by vector, stalls
-    const auto* const exact = solved_alone(k);
-    Row row = exact ? row_of(exact->steps.back()) : row_of(answer, *contact, k);
-    if (!exact) mark(row, contact->least);
-    return row;
+  for (const auto& [k, solution] : alone) {
+    again.steps[k] = step_of(solution.steps.back()), again.stresses[k] = stress_of(solution.steps.back());
+    again.steps[k].across = widest;
   }
-  int least() const {
-    return least_across_of<Contact<Contacts>::of_lines>(along_side, answer.steps,
-                                                        [&](int k) { return across_of(answer, *contact, k); });
+  return again;
+}
+
+/// The steps of a contact.
+template <class Contacts>
+struct Steps {
+  int count() const { return again ? static_cast<int>(again->steps.size()) : answer.steps; }
+  double element() const { return again ? again->element : element_of(answer, *contact); }
+  /// Where the contact extends over few elements or cells, it is marked.
+  [[gnu::always_inline]] Step step(int k) const {
+    Step step = again ? again->steps[static_cast<std::size_t>(k)] : step_of(answer, *contact, k);
+    if (solved(step.status) && step.across < contact->least) step.status = coarse_row;
+    return step;
   }
   void stress(int k, std::span<float> frame) const {
-    if (const auto* exact = solved_alone(k))
-      put_stress(exact->steps.back(), frame);
+    if (again && !again->stresses[static_cast<std::size_t>(k)].empty())
+      std::copy_n(again->stresses[static_cast<std::size_t>(k)].begin(), frame.size(), frame.begin());
     else
       answer.tactels(k, frame);
   }
-  const typename Contacts::Solution* solved_alone(int k) const {  ///< none: the step is the answer's; of lines all are
-    if constexpr (!Contact<Contacts>::of_lines)
-      if (alone)
-        if (const auto exact = alone->find(static_cast<std::size_t>(k)); exact != alone->end()) return &exact->second;
-    return nullptr;
+  bool slid() const {
+    return again ? again->slides : static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING;
   }
-  bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING; }
-  void fetch(int k, std::size_t part, std::size_t parts) const { answer.fetch_step(k, part, parts); }
 
   LaneAnswer answer;
   const Contact<Contacts>* contact;
-  const typename StreamOf<Contacts>::Alone* alone;  ///< none: no step was
-  int along_side;
+  const SolvedAgain* again;  ///< none: the launch's answer holds
 };
 
-/// The steps of a contact that was solved again.
+/// Returns over how many of so many elements or cells a step must extend.
 template <class Contacts>
-struct StepsOfSolution {
-  int count() const { return static_cast<int>(solution.steps.size()); }
-  double element() const {
-    if constexpr (Contact<Contacts>::of_lines)
-      return solution.surface_width.size() > 0 ? solution.surface_width[0]
-                                               : contact->sensor.length / (contact->sensor.columns - 1);
-    else
-      return std::max(solution.cells.hx, solution.cells.hy);
-  }
-  Row row(int k) const {
-    Row row = row_of(solution.steps[static_cast<std::size_t>(k)]);
-    mark(row, contact->least);
-    return row;
-  }
-  int least() const {
-    return least_across_of<Contact<Contacts>::of_lines>(along_side(solution), count(), [&](int k) {
-      return row_of(solution.steps[static_cast<std::size_t>(k)]).across;
-    });
-  }
-  void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
-  bool slid() const { return solution.sliding; }
-  void fetch(int, std::size_t, std::size_t) const {}  ///< it is one
-
-  const typename Contacts::Solution& solution;
-  const Contact<Contacts>* contact;
-};
+int least_across(const Steps<Contacts>& steps, int along_side) {
+  if (along_side == 0 || of_lines<Contacts>) return along_side == 0 ? 0 : fem::least_elements;
+  int widest = 0;
+  for (int k = 0; k < steps.count(); ++k) widest = std::max(widest, steps.step(k).across);
+  return fem::least_across(along_side, widest);
+}
 
 void resize(ContactSet& set, std::size_t rows) {
   each_dataset(set, [rows](const char*, auto& values, int columns, const char*) {
@@ -236,81 +253,43 @@ void resize(ContactSet& set, std::size_t rows) {
   });
 }
 
-void put_sensor(ContactSet& set, std::size_t at, const auto& sensor) {
-  set.poisson[at] = static_cast<float>(sensor.poisson);
-  set.thickness[at] = static_cast<float>(sensor.thickness);
-  set.young[at] = static_cast<float>(sensor.young);
-  if constexpr (std::is_same_v<decltype(sensor), const fem::Sensor&>)
-    set.length[at] = static_cast<float>(sensor.length);
-}
-
-/// Puts a step into row `at`.
-template <class Steps, class Contact>
-[[gnu::always_inline]] inline void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row,
-                                           const Contact& contact, int step) {
-  const int touching = row.sticking + row.slipping;
-  set.slip_index[at] = static_cast<float>(std::clamp(*row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
-  set.normal_force[at] = static_cast<float>(row.P);
-  set.indentation[at] = static_cast<float>(row.indentation);
-  if constexpr (Contact::of_lines) {
-    set.tangential_force[at] = static_cast<float>(row.Q[0]);
-    set.tangential[at] = static_cast<float>(row.tangential[0]);
-  } else {
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      set.tangential_force[2 * at + axis] = static_cast<float>(row.Q[axis]);
-      set.tangential[2 * at + axis] = static_cast<float>(row.tangential[axis]);
-    }
-    set.torque[at] = static_cast<float>(row.torque);
-    set.twist[at] = static_cast<float>(row.twist);
-    set.force_ratio[at] = static_cast<float>(row.force_ratio);
-    set.outside[at] = static_cast<std::uint8_t>(contact.outside);
-  }
-  set.friction[at] = static_cast<float>(contact.friction);
-  set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
-  set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
-  set.contact[at] = contact.number;
-  set.step[at] = static_cast<std::uint32_t>(step);
-  set.indenter[at] = contact.kind;
-  set.status[at] = static_cast<std::uint8_t>(row.status);
-  set.residual[at] = static_cast<float>(row.residual);
-  if (set.sensors) put_sensor(set, at, contact.sensor);
-  steps.stress(step, std::span(set.frames).subspan(at * set.inputs, set.inputs));
-}
-
 /// Whether a step of a contact becomes a row.
-template <class Contact>
-bool is_row(const Row& row, const Contact& contact, int step) {
-  return step >= contact.first_step && row.status != LANE_NOT_RUN && row.slip_index;
+template <class Contacts>
+bool is_row(const Step& step, const Contact<Contacts>& contact, int k) {
+  return k >= contact.first_step && step.status != LANE_NOT_RUN && step.defined;
 }
 
 /// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
-template <class Steps, class Contact>
-std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
-  contact.least = steps.least();
+template <class Contacts>
+std::size_t survey(ContactSet& set, const Steps<Contacts>& steps, Contact<Contacts>& contact, int along_side) {
+  contact.least = least_across(steps, along_side);
   const double element = steps.element();  // mm
   std::size_t rows = 0;
   double deepest = 0;  // mm
   bool far = false;    // the indenter slides further over the rubber than displacements are small
   fem::PadBox reach{fem::nowhere, fem::nowhere};
+  bool unsolved = false;
   for (int k = 0; k < steps.count(); ++k) {
-    const Row row = steps.row(k);
-    if (row.status == LANE_NOT_RUN) break;
-    deepest = std::max(deepest, row.indentation);
-    if constexpr (Contact::of_lines)
-      far = far || row.slip_distance > slip_limit(contact.sensor, element * (row.sticking + row.slipping));
+    const Step step = steps.step(k);
+    if (step.status == LANE_NOT_RUN) break;
+    deepest = std::max(deepest, step.indentation);
+    if constexpr (of_lines<Contacts>)
+      far = far || step.slip_distance > slip_limit(contact.sensor, element * step.touching);
     else
-      far = far || (row.P > 0 && row.slip_distance > slip_limit(std::sqrt(row.area))), reach.cover(row.reach);
-    if (is_row(row, contact, k)) ++rows, set.coarse += row.status == coarse_row;
+      far = far || (step.P > 0 && step.slip_distance > slip_limit(std::sqrt(step.area)));
+    reach.cover(step.reach), contact.outside |= step.outside;
+    if (!is_row(step, contact, k)) continue;
+    ++rows, set.coarse += step.status == coarse_row;
+    unsolved = unsolved || step.status == LANE_UNSOLVED;
   }
   set.too_deep += too_deep(contact.sensor.thickness, deepest);
   set.far_slip += far;
-  if constexpr (!Contact::of_lines) {
-    contact.outside = outside_model(contact.sensor, contact.position, reach, element);
-    set.near_edge += (contact.outside & outside_edges) != 0;
-    set.unseen += (contact.outside & outside_tactels) != 0;
-    set.wide_cells += (contact.outside & outside_cells) != 0;
-  }
-  if constexpr (Contact::of_lines) set.never_slid += rows > 0 && contact.until_sliding && !steps.slid();
+  if constexpr (of_paths<Contacts>) contact.outside = outside_model(contact.sensor, contact.at, reach, element);
+  if constexpr (std::is_same_v<Contacts, HeldContacts>) set.unsolved += unsolved;
+  set.near_edge += (contact.outside & outside_edges) != 0;
+  set.unseen += (contact.outside & outside_tactels) != 0;
+  set.wide_cells += (contact.outside & outside_cells) != 0;
+  set.never_slid += rows > 0 && contact.until_sliding && !steps.slid();
   return rows;
 }
 
@@ -318,71 +297,75 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& contact) {
 /// of a layer that bears mu times the mean pressure.
 class Slide {
  public:
-  void add(const Row& row, const PadContactOf& contact) {
+  /// Of a path, whose steps say mm; those of grips are over the limit.
+  void take(Step& step, const PathContact& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
-    const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young;
-    whole_.add(row.slid, limit), cells_.add(row.slip_path, limit);
+    const double limit = contact.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young;
+    step.slid = whole_.add(step.slid, limit), step.slip_path = cells_.add(step.slip_path, limit);
   }
-  double whole() const { return whole_.over_limit; }
-  double cells() const { return cells_.over_limit; }
 
  private:
   struct Way {
     double way = 0, over_limit = 0;  ///< mm, 1
-    void add(double now, double limit) {
-      if (limit > 0) over_limit += std::max(0.0, now - way) / limit;  // a step solved alone has a path of its own
-      way = now;
+    double add(double to, double limit) {
+      if (limit > 0) over_limit += std::max(0.0, to - way) / limit;  // a step solved alone has a path of its own
+      way = to;
+      return over_limit;
     }
   };
   Way whole_, cells_;
 };
 
-/// Contacts whose rows go into a set, the next of each into row `at`.
-template <class Steps>
+/// A contact whose rows go into a set, the next into row `at`.
+template <class Contacts>
 struct RowsFrom {
   std::size_t at = 0;
-  Steps steps;
+  Steps<Contacts> steps;
   Slide slide{};
 };
 
+void put_sensor(SetRow& row, const fem::Sensor& sensor) { row.length = sensor.length; }
+void put_sensor(SetRow&, const fem::PadSensor&) {}
+
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
-template <class Steps>
-void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
+template <class Contacts>
+void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
+  const auto columns = set_columns(set);
+  const auto inputs = static_cast<std::size_t>(set.inputs), directions = static_cast<std::size_t>(set.directions());
   int most = 0;
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       auto& from = contacts[i];
-      const auto& contact = *from.steps.contact;
-      from.steps.fetch(k + 1, i, contacts.size());
-      if (k >= from.steps.count()) continue;
-      constexpr bool of_pads = requires { from.slide.add(Row(), contact); };
-      if (!of_pads && k < contact.first_step) continue;
-      const Row row = from.steps.row(k);
-      if constexpr (of_pads) from.slide.add(row, contact);
-      if (!is_row(row, contact, k)) continue;
-      if constexpr (of_pads) set.slid[from.at] = static_cast<float>(from.slide.whole());
-      if constexpr (of_pads) set.slip_path[from.at] = static_cast<float>(from.slide.cells());
-      put_row(set, from.at++, from.steps, row, contact, k);
+      const Contact<Contacts>& contact = *from.steps.contact;
+      from.steps.answer.fetch_step(k + 1, i, contacts.size());
+      if (k >= from.steps.count() || (!of_paths<Contacts> && k < contact.first_step)) continue;
+      Step step = from.steps.step(k);
+      if constexpr (of_paths<Contacts>) from.slide.take(step, contact);
+      if (!is_row(step, contact, k)) continue;
+      step.slip_index = std::clamp(step.slip_index, -1.0, 1.0);  // rounding apart, Q <= mu P
+      step.friction = contact.friction, step.outside = contact.outside, step.contact = contact.number;
+      step.step = k, step.kind = contact.kind;
+      step.poisson = contact.sensor.poisson, step.thickness = contact.sensor.thickness;
+      step.young = contact.sensor.young, put_sensor(step, contact.sensor);
+      each(columns, [&](const auto& column) { column.put(from.at, step, directions); });
+      from.steps.stress(k, std::span(set.frames).subspan(from.at++ * inputs, inputs));
     }
 }
-
-/// Contacts that are solved again, by their place in the range.
-template <class Contacts>
-using Fallen = std::map<std::uint64_t, typename Contacts::Solution>;
 
 template <class Contacts>
 struct Chunk : SetSimulator::Range {
   std::vector<Contact<Contacts>> contacts;
   std::vector<float> parameters;  ///< [contacts][columns]
   typename StreamOf<Contacts>::Part part;
+  std::map<std::uint64_t, SolvedAgain> again{};  ///< by place in the range
 };
 
 /// Lanes that are read together, at most: those of a group lie side by side.
 constexpr std::size_t side_by_side_answers = 32;
 
-ContactModel model_for(Executor& executor, const SceneSource& source, const SetOptions& options) {
+ContactModel line_model(Executor& executor, const SceneSource& source, const SetOptions& options) {
   if (!options.patch && source.model() != fem::SurfaceModel::patch) {
     if (source.own_sensors())
       throw ConfigError("", "[sweep] sensors", "(missing)", "a number of sensors to draw, for contacts on a mesh");
@@ -401,6 +384,13 @@ ContactModel model_for(Executor& executor, const SceneSource& source, const SetO
   return model;
 }
 
+PadModel pad_model(const PadSource& source, const SetOptions& options) {
+  PadModel model{{.cells = options.pad.cells, .pressing_increments = options.pad.increments}, options.precision};
+  model.options.any_poisson = source.own_sensors() && source.own_sensors()->any_poisson;
+  if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
+  return model;
+}
+
 int along_side(const SceneSource& source, const SetOptions& options) {
   if (!options.patch && source.model() != fem::SurfaceModel::patch) return 0;
   return options.patch.value_or(usual_patch()).elements;
@@ -410,33 +400,24 @@ int along_side(const PadSource&, const SetOptions& options) { return options.pad
 int rows_of_tactels(const fem::Sensor&) { return 1; }
 int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
 
-PadModel model_for(Executor&, const PadSource& source, const SetOptions& options) {
-  PadModel model{{.cells = options.pad.cells, .pressing_increments = options.pad.increments}, options.precision};
-  model.options.any_poisson = source.own_sensors() && source.own_sensors()->any_poisson;
-  if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
-  return model;
-}
-
-}  // namespace
-
-namespace {
-
 template <class Contacts>
 class Simulator final : public SetSimulator::State {
-  using Source = SourceOf<typename Contacts::Scene>;
+  using Source = std::conditional_t<of_lines<Contacts>, SceneSource, PadSource>;
   using Chunk = host::Chunk<Contacts>;
-  using Fallen = host::Fallen<Contacts>;
   using Range = SetSimulator::Range;
+  using Alone = typename StreamOf<Contacts>::Alone;
+  using Scene = typename Contacts::Scene;
 
  public:
-  Simulator(Executor& executor, const Source& source, const SetOptions& options)
+  Simulator(Executor& executor, const Source& source, const SetOptions& options, typename Contacts::Model model)
       : executor_(executor),
         source_(source),
         parameters_(source.parameters()),
         columns_(columns_of(source)),
         along_side_(along_side(source, options)),
-        stream_(executor, model_for(executor, source, options)) {
-    if (!source.own_sensors()) stream_.keep(source.sensors());  // of others the family has the tables
+        stream_(executor, std::move(model)) {
+    // Of other sensors the family has the tables, and grips have none.
+    if (!source.own_sensors() && !source.holds()) stream_.keep(source.sensors());
     if (source.transducer().present())
       chain_.emplace(executor, source.transducer(), source.seed(), source.inputs(), columns_.axes,
                      rows_of_tactels(source.sensors().front()));
@@ -452,19 +433,24 @@ class Simulator final : public SetSimulator::State {
   ContactSet collect(Range& range) override;
 
  private:
+  std::pair<Scene, std::uint16_t> contact(std::uint64_t number) const {
+    auto [scene, kind] = source_.contact(number);
+    if constexpr (std::is_same_v<Contacts, HeldContacts>)
+      return {{std::move(scene), source_.hold(number)}, kind};
+    else
+      return {std::move(scene), kind};
+  }
   /// The steps of contact k of a range.
-  StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Chunk& chunk, std::uint64_t k,
-                                 const Alone<Contacts>& alone) const {
-    const auto found = alone.find(k);
-    return {answer, &chunk.contacts[k], found == alone.end() ? nullptr : &found->second, along_side_};
+  Steps<Contacts> steps_of(const LaneAnswer& answer, const Chunk& chunk, std::uint64_t k) const {
+    const auto found = chunk.again.find(k);
+    return {answer, &chunk.contacts[k], found == chunk.again.end() ? nullptr : &found->second};
   }
   std::vector<std::size_t> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;
-  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen,
-               const Alone<Contacts>& alone);
+  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk);
 
   Executor& executor_;
   const Source& source_;
-  ContactParametersOf<typename Contacts::Scene> parameters_;
+  decltype(std::declval<Source>().parameters()) parameters_;
   SetColumns columns_;
   int along_side_;  ///< elements or cells of a contact; 0: on a mesh
   StreamOf<Contacts> stream_;
@@ -477,36 +463,26 @@ class Simulator final : public SetSimulator::State {
 template <class Contacts>
 std::vector<std::size_t> Simulator<Contacts>::to_solve_alone(const LaneAnswer& answer,
                                                              const Contact<Contacts>& contact) const {
-  if constexpr (Contact<Contacts>::of_lines)
-    return {};
-  else {
-    std::vector<std::size_t> steps =
-        fem::coarse_presses(std::span(contact.path.steps), contact.presses, along_side_,
-                            [&](std::size_t k) { return across_of(answer, contact, static_cast<int>(k)); });
-    if (!chain_) std::erase_if(steps, [&](std::size_t k) { return static_cast<int>(k) < contact.first_step; });
-    return steps;
-  }
+  std::vector<std::size_t> steps = fem::coarse_presses(
+      std::span(contact.path.steps), contact.presses, along_side_,
+      [&](std::size_t k) { return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS)); });
+  if (!chain_) std::erase_if(steps, [&](std::size_t k) { return static_cast<int>(k) < contact.first_step; });
+  return steps;
 }
 
 /// Readings in place of stresses, in the rows of a chunk. They depend on all load steps up to them, so these go through
 /// the chain, rows or not.
 template <class Contacts>
-void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk,
-                                  const Fallen& fallen, const Alone<Contacts>& alone) {
+void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk) {
   const std::size_t inputs = set.inputs;
   std::vector<TransducerChain::Contact> contacts;
   std::vector<float> signal;
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     contacts.push_back({chunk.first + k, rows[k] == rows[k + 1] ? 0 : set.step[rows[k + 1] - 1] + 1});
-    const auto solution = fallen.find(k);
-    const StepsOfLane<Contacts> steps = steps_of(answer, chunk, k, alone);
+    const Steps<Contacts> steps = steps_of(answer, chunk, k);
     for (std::uint32_t step = 0; step < contacts.back().steps; ++step) {
       signal.resize(signal.size() + inputs);
-      const auto frame = std::span(signal).last(inputs);
-      if (solution == fallen.end())
-        steps.stress(static_cast<int>(step), frame);
-      else
-        put_stress(solution->second.steps[step], frame);
+      steps.stress(static_cast<int>(step), std::span(signal).last(inputs));
     }
   });
   {
@@ -522,13 +498,6 @@ void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t
   }
 }
 
-int pressing_steps(const fem::Scene&, const fem::LoadPath& path) { return path.indentation_steps; }
-int pressing_steps(const fem::PadScene& scene, const PadPath&) {
-  return static_cast<int>(fem::pressing_targets(scene.load));
-}
-bool until_sliding(const fem::LoadPath& path) { return path.until_sliding; }
-bool until_sliding(const PadPath&) { return false; }
-
 template <class Contacts>
 std::unique_ptr<SetSimulator::Range> Simulator<Contacts>::prepare(std::uint64_t first, std::uint64_t count) const {
   auto chunk = std::make_unique<Chunk>();
@@ -538,20 +507,12 @@ std::unique_ptr<SetSimulator::Range> Simulator<Contacts>::prepare(std::uint64_t 
   chunk->parameters.resize(count * numbers);
   const auto start = Clock::now();
   for (std::uint64_t k = 0; k < count; ++k) {
-    const auto [scene, indenter] = source_.contact(first + k);
+    const auto [scene, kind] = contact(first + k);
     const typename Contacts::Path path = Contacts::path(scene);
-    parameters_.put(scene, indenter, std::span(chunk->parameters).subspan(k * numbers, numbers));
-    chunk->contacts.push_back({.number = first + k,
-                               .sensor = scene.sensor,
-                               .friction = scene.friction,
-                               .first_step = source_.press_rows() ? 0 : pressing_steps(scene, path) - 1,
-                               .kind = indenter,
-                               .until_sliding = until_sliding(path)});
-    if constexpr (!Contact<Contacts>::of_lines) {
-      chunk->contacts.back().presses = static_cast<int>(fem::presses_on(scene.load));
-      chunk->contacts.back().path = path;
-      chunk->contacts.back().position = scene.indenter.position;
-    }
+    parameters_.put(scene, kind, std::span(chunk->parameters).subspan(k * numbers, numbers));
+    chunk->contacts.push_back({.number = first + k, .sensor = scene.sensor, .friction = scene.friction, .kind = kind});
+    take_path(chunk->contacts.back(), scene, path);
+    if (source_.press_rows()) chunk->contacts.back().first_step = 0;
     stream_.add(chunk->part, scene, path);
   }
   chunk->seconds.draw = seconds_since(start);
@@ -567,55 +528,47 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   const auto start = Clock::now();
   ContactSet set(columns_);
   std::vector<std::size_t> rows(chunk.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
-  Fallen fallen;
-  const auto answered = [&] {
+  const auto take = [&](std::size_t k, const LaneAnswer& answer, int along_side) {
+    rows[k + 1] = survey(set, steps_of(answer, chunk, k), chunk.contacts[k], along_side);
     if (range.answered) ++*range.answered;
   };
-  Alone<Contacts> alone;
   std::optional<Clock::time_point> begin_again;
   stream_.collect(
       chunk.part,
       [&](std::size_t k) {
         if (!begin_again) begin_again = Clock::now();
-        return source_.contact(chunk.contacts[k].number).scene;
+        return contact(chunk.contacts[k].number).first;
       },
       [&](std::size_t k, const LaneAnswer& answer) { return to_solve_alone(answer, chunk.contacts[k]); },
-      [&](std::size_t k, const LaneAnswer& answer, typename StreamOf<Contacts>::Alone&& solved_alone) {
-        if (!solved_alone.empty()) alone.emplace(k, std::move(solved_alone));
-        rows[k + 1] = survey(set, steps_of(answer, chunk, k, alone), chunk.contacts[k]);
-        answered();
+      [&](std::size_t k, const LaneAnswer& answer, Alone&& alone) {
+        if (!alone.empty()) chunk.again.emplace(k, solved_again(answer, alone, chunk.contacts[k]));
+        take(k, answer, along_side_);
       },
       [&](std::size_t k, typename Contacts::Solution&& solution) {
-        auto& contact = chunk.contacts[k];
         set.fell_back += solution.fell_back;
         set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
-        rows[k + 1] = survey(set, StepsOfSolution<Contacts>{solution, &contact}, contact);
-        fallen[k] = std::move(solution);
-        answered();
+        chunk.again.emplace(k, solved_again(solution, chunk.contacts[k]));
+        take(k, {}, along_side(solution));
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
   set.contacts = chunk.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
-  std::vector<RowsFrom<StepsOfLane<Contacts>>> together;
+  std::vector<RowsFrom<Contacts>> together;
   const auto put = [&] {
     put_rows(set, std::span(together));
     together.clear();
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
-    if (rows[k] == rows[k + 1] || fallen.contains(k)) return;
-    together.push_back({rows[k], steps_of(answer, chunk, k, alone)});
+    if (rows[k] == rows[k + 1]) return;
+    together.push_back({rows[k], steps_of(answer, chunk, k)});
     if (together.size() == std::min(answer.stride, side_by_side_answers)) put();
   });
   put();
-  for (const auto& [k, solution] : fallen) {
-    RowsFrom<StepsOfSolution<Contacts>> row_of_fallen{rows[k], {solution, &chunk.contacts[k]}};
-    put_rows(set, std::span(&row_of_fallen, 1));
-  }
-  set.contact_parameters = std::move(chunk.parameters);
-  if (chain_) measure(set, rows, chunk, fallen, alone);
-  chunk.part = {};  // its memory, before the rows are written
+  set.parameters = std::move(chunk.parameters);
+  if (chain_) measure(set, rows, chunk);
+  chunk.part = {}, chunk.again = {};  // their memory, before the rows are written
   set.indenter_names = source_.kind_names();
   set.transducer = nn::description(source_.transducer());
   set.device = executor_.device().info().name;
@@ -631,7 +584,7 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   if constexpr (!SourceOf<Scene>::of_lines) columns.axes = source.sensors().front().axes;
   const auto parameters = source.parameters();
   for (const auto& column : parameters.columns()) {
-    columns.parameters.push_back(column.name);
+    columns.parameter_names.push_back(column.name);
     columns.parameter_units.push_back(column.unit);
   }
   columns.tactel_x = source.tactel_x();
@@ -655,10 +608,15 @@ SetColumns columns_of(const AnySource& source) {
 }
 
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
-    : state_(std::make_unique<Simulator<LineContacts>>(executor, source, options)) {}
-SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options)
-    : state_(source.holds() ? hold_simulator(executor, source, options)
-                            : std::make_unique<Simulator<PadContacts>>(executor, source, options)) {}
+    : state_(std::make_unique<Simulator<LineContacts>>(executor, source, options,
+                                                       line_model(executor, source, options))) {}
+SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options) {
+  if (source.holds())
+    state_ = std::make_unique<Simulator<HeldContacts>>(
+        executor, source, options, HeldModel{source.sensors(), options.pad.cells, options.accept, options.precision});
+  else
+    state_ = std::make_unique<Simulator<PadContacts>>(executor, source, options, pad_model(source, options));
+}
 SetSimulator::SetSimulator(Executor& executor, const AnySource& source, const SetOptions& options)
     : SetSimulator(std::visit([&](const auto& kind) { return SetSimulator(executor, kind, options); }, source)) {}
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
-  return columns.has("parameters") ? columns.parameters.size() : 0;
+  return columns.has("parameters") ? columns.parameter_names.size() : 0;
 }
 
 /// The rows of a chunk, dataset by dataset, then the parameters of its contacts: where they are.
@@ -36,7 +36,7 @@ std::vector<std::string_view> payload_of(const ContactSet& rows, const SetColumn
   each_dataset(rows, [&](const char* name, const auto& values, int, const char*) {
     if (columns.has(name)) add(values);
   });
-  if (parameters_of(columns) > 0) add(rows.contact_parameters);
+  if (parameters_of(columns) > 0) add(rows.parameters);
   return parts;
 }
 

@@ -485,7 +485,7 @@ TEST_F(SmallSet, ASetLargerThanTheDiskIsRefusedBeforeItBegins) {
   const std::string whole_chunks = sweep("small.toml", text("16384"));  // and whole chunks of HDF5's
   const Sweep drawn = read_sweep(large), small = read_sweep(whole_chunks);
   const SetColumns columns = columns_of(drawn.source);
-  const double parameters = 4 * static_cast<double>(columns.parameters.size());
+  const double parameters = 4 * static_cast<double>(columns.parameter_names.size());
   const double contact = 3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sets.md lists them
   EXPECT_EQ(expected_bytes(drawn.source, columns), 1e12 * contact);
   ASSERT_EQ(run(whole_chunks, "small.h5").exit_code, 0);
@@ -575,7 +575,7 @@ TEST_F(SmallSet, ColumnsLeaveDatasetsOut) {
   EXPECT_EQ(few.frames, all.frames);
   EXPECT_EQ(few.slip_index, all.slip_index);  // always there
   EXPECT_EQ(few.status, all.status);
-  EXPECT_EQ(few.contact_parameters, all.contact_parameters);
+  EXPECT_EQ(few.parameters, all.parameters);
   EXPECT_TRUE(few.contact.empty());
   EXPECT_TRUE(few.tactel_x.empty());
   EXPECT_EQ(run_tactel({"check", *this / "few.h5"}).exit_code, 0);

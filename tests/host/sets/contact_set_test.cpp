@@ -90,11 +90,10 @@ TEST(ContactSetFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.indentation, set.indentation);
   EXPECT_EQ(back.tangential, set.tangential);
   EXPECT_EQ(back.tactel_x, set.tactel_x);
-  EXPECT_EQ(back.parameters, set.parameters);
+  EXPECT_EQ(back.parameter_names, set.parameter_names);
   EXPECT_EQ(back.parameter_units, set.parameter_units);
-  ASSERT_EQ(back.contact_parameters.size(), 28 * set.parameters.size());
-  EXPECT_EQ(std::memcmp(back.contact_parameters.data(), set.contact_parameters.data(),
-                        sizeof(float) * set.contact_parameters.size()),
+  ASSERT_EQ(back.parameters.size(), 28 * set.parameter_names.size());
+  EXPECT_EQ(std::memcmp(back.parameters.data(), set.parameters.data(), sizeof(float) * set.parameters.size()),
             0);  // NaN, too
   EXPECT_EQ(back.contact, set.contact);
   EXPECT_EQ(back.status, set.status);
@@ -227,8 +226,8 @@ TEST(CheckSet, FindsEveryEdit) {
   set.sweep = "contacts = 20000", set.seed = 7, set.press_rows = true;
   set.device = "a device", set.rung = "fp32: a model", set.transducer = "none", set.plan = "precision fp32";
   set.indenter_names = {"wedge", "parabola"};
-  set.contacts = 2, set.parameters = {"contact.friction", "indenter.radius"}, set.parameter_units = {"1", "mm"};
-  set.contact_parameters = {0.5, 2, 0.25, 4}, set.tactel_x = {0};
+  set.contacts = 2, set.parameter_names = {"contact.friction", "indenter.radius"}, set.parameter_units = {"1", "mm"};
+  set.parameters = {0.5, 2, 0.25, 4}, set.tactel_x = {0};
   write_contact_set(folder / "set.h5", set);
   fs::create_directory(folder / "edited");
   ASSERT_TRUE(as_written(folder / "set.h5"));

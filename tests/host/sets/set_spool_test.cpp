@@ -23,7 +23,7 @@ const std::string long_name(5'000, 'i'), long_sweep(300'000, '#');
 
 SetColumns columns() {
   SetColumns all(4);
-  all.parameters = {"a", "b", "c"}, all.parameter_units = {"mm", "1", "1"};
+  all.parameter_names = {"a", "b", "c"}, all.parameter_units = {"mm", "1", "1"};
   all.tactel_x = {-1, 1};
   return only_columns(all, "inputs,status,parameters,tactel_x");
 }
@@ -38,7 +38,7 @@ ContactSet chunk_of(std::uint64_t k) {
       values.push_back(static_cast<Value>((k * 31 + i) % 251));
   });
   chunk.contacts = k + 1 < chunk_total ? 8192 : 100;
-  chunk.contact_parameters.assign(3 * chunk.contacts, static_cast<float>(k));
+  chunk.parameters.assign(3 * chunk.contacts, static_cast<float>(k));
   chunk.fell_back = k;
   return chunk;
 }
@@ -104,12 +104,11 @@ TEST_F(Spool, AnyNumberOfProcessesGivesTheSameBytes) {
     const ContactSet chunk = chunk_of(k);
     all.frames.insert(all.frames.end(), chunk.frames.begin(), chunk.frames.end());
     all.status.insert(all.status.end(), chunk.status.begin(), chunk.status.end());
-    all.contact_parameters.insert(all.contact_parameters.end(), chunk.contact_parameters.begin(),
-                                  chunk.contact_parameters.end());
+    all.parameters.insert(all.parameters.end(), chunk.parameters.begin(), chunk.parameters.end());
   }
   EXPECT_TRUE(set.frames == all.frames);
   EXPECT_TRUE(set.status == all.status);
-  EXPECT_TRUE(set.contact_parameters == all.contact_parameters);
+  EXPECT_TRUE(set.parameters == all.parameters);
   EXPECT_EQ(set.tactel_x, columns().tactel_x);
   EXPECT_EQ(set.sweep, long_sweep);
   EXPECT_EQ(set.indenter_names, std::vector{long_name});

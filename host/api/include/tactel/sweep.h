@@ -3,6 +3,7 @@
 #include <tactel/pad.h>
 #include <tactel/progress.h>
 #include <tactel/scene.h>
+#include <tactel/set_arrays.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -12,45 +13,14 @@
 
 namespace tactel {
 
-/// Frames with their answers, as in a set file (docs/sets.md): one row a load step. Forces are those of the indenter on
-/// the rubber.
-struct Set {
-  std::size_t inputs = 0;                             ///< axes of every tactel
-  std::size_t axes = 2;                               ///< stresses of a tactel; of a pad 3, or 1
-  std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
-  std::vector<float> slip_index;                      ///< [rows] S
-  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm; of pads [rows], [rows, 2] N
-  std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty;
-                                                      ///< of pads the position [rows, 2]
-  std::vector<float> torque, twist, force_ratio;      ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> slid;                      ///< [rows] of pads: slide as a whole since first touch over its limit
-  std::vector<float> slip_path;                 ///< [rows] of pads: the cells' rms slips, summed, over that limit
-  std::vector<float> net_slip, net_turn;        ///< [rows, 2], [rows] of grips with a rate: mean slips, added up
-  std::vector<float> slid_ahead;                ///< [rows] of grips with a rate: growth of slid in the next 0.2 s
-  std::vector<float> friction, stick_fraction;  ///< [rows] mu; stuck length over contact length
-  std::vector<float> residual;                  ///< [rows] largest relative residual
-  std::vector<std::uint64_t> contact;           ///< [rows] contact of the sweep
-  std::vector<std::uint32_t> step;              ///< [rows] load step of the contact
-  std::vector<std::uint16_t> indenter;          ///< [rows] index in indenter_names
-  std::vector<std::uint16_t> contact_nodes;     ///< [rows] surface nodes that touch
-  std::vector<std::uint8_t> status;             ///< [rows] 0 solved, 1 sliding, 2 over tolerance, 3 few cells touch
-  std::vector<std::uint8_t> outside;            ///< [rows] of pads, what the model does not serve: sum of
-                                                ///< 1 nearer than the thickness H to an edge, 2 farther than H
-                                                ///< from every tactel at a pitch above 2 H, 4 cells longer than H
-  std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
+/// Frames with their answers, as in a set file.
+struct Set : SetArrays {
+  std::size_t inputs = 0;                    ///< axes of every tactel
+  std::size_t axes = 2;                      ///< stresses of a tactel; of a pad 3, or 1
   std::vector<float> tactel_x, tactel_y;     ///< [tactels] mm; empty where contacts differ in them; tactel_y: of pads
-  std::vector<float> parameters;             ///< [contacts, names] what was drawn; NaN: has none; or empty
   std::vector<std::string> parameter_names;  ///< keys, such as "indenter.radius"
   std::vector<std::string> parameter_units;  ///< [names]
-  std::vector<std::string> indenter_names;
-  std::uint64_t contacts = 0, fell_back = 0, unsolved = 0, without_rows = 0;
-  std::string sweep, rung, device;  ///< text of the sweep file; model; OpenCL device
-  std::string transducer;           ///< measuring chain of the stresses
-  std::string plan;  ///< conditions of the rows beside the sweep; empty where they are not those of the whole file
-  std::uint64_t seed = 0;
-  bool press_rows = false;  ///< the load steps of the pressing are rows, too: networks with history need them
-
-  std::size_t rows() const { return slip_index.size(); }
+  std::uint64_t fell_back = 0, unsolved = 0, without_rows = 0;
 };
 
 /// Reads a set file (HDF5). Throws InputError for one that cannot be read or is damaged.
