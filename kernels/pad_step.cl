@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* One increment of many contacts with one pad, whose state stays in buffers between launches: contacts inside a
    simulator, which knows the next pose or wrench only then. A contact a lane; the laws, the sweeps and their rules are
-   those of kernels/pad_contact.cl, in the same code: the increments of a path, one a launch, have the bits of the path.
+   those of kernels/pad_contact.cl, in the same code: the increments of a path, one a launch, have the bits of the path,
+   where the object covers little of the grid. Where it covers most of it they agree within the tolerance of sweeps, for
+   such contacts are split (kernels/pad/splitting.h).
 
    - Cells are fixed to the pad, CELLS x CELLS_Y of one size about its middle; all contacts share one table. Heights come
      anew with each step. What the object does to the friction is its motion alone: heights that travel do not drag.
@@ -268,9 +270,9 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
    heights, soft [group][vector][cells][lane]: over H, above the object's lowest point, where its depth counts from,
    PAD_OPEN where there is no object; 1 / f - 1. The other arrays are as kernels/shared/pad_step_layout.h has them.
    kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near up to that part of the depth above it;
-   travel: the longest motion of a solve along the pad; blocks: [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
-   (B + rho)^-1 of kernels/pad/splitting.h; wide_from: cells in the window of a lane that is split; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
-   +y. */
+   travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
+   +y; blocks, rho_n, rho_t: of kernels/pad/splitting.h, [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
+   (B + rho)^-1; wide_from: cells in the window of a contact that is split. */
 kernel void pad_step(uint first_group, global const real *table, global const real *blocks, real rho_n, real rho_t,
                      int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
                      int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,

@@ -197,8 +197,8 @@ static void sum_split(const Influence *influence, global const real *blocks, Cel
     list_cells(&narrow, c);
     sum_afresh(influence, c);
   }
-  list_all(c);
   if (!any_of(&w->wide)) return;
+  list_all(c);
   ROLLED for (int i = 0; i < COUNT; ++i) {
     w->u[0][i] = c->n[i];
     w->u[1][i] = c->tx[i];

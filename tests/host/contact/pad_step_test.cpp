@@ -113,11 +113,11 @@ std::vector<std::vector<std::vector<float>>> way(PadStepper<float>& steps, const
   return rows;
 }
 
-/// Of 600 contacts, which have two vectors a work-item where the processor is wide.
+/// Of 600 contacts, which have two vectors a work-item in sixteen lanes.
 void expect_same_bits(const Bowls& all) {
   std::vector<std::size_t> every(all.count);
   std::iota(every.begin(), every.end(), 0);
-  Executor wide(Device("basic").with_halves(false));
+  Executor wide(Device("basic").with_lanes(16).with_halves(false));
   PadStepper<float> steps = all.steps(wide);
   const std::vector<double> P = pressed(steps, all);
   steps.reset();
