@@ -28,12 +28,13 @@ class Influence {
 
   /// Displacement `to` of cell (ix, iy) by traction `by` on cell (jx, jy).
   double operator()(int to, int ix, int iy, int by, int jx, int jy) const {
-    constexpr int normal[3][3] = {
+    constexpr int of_pairs[3][3] = {
         {PAD_ZZ, PAD_PAIR_ZX, PAD_PAIR_ZY}, {PAD_XZ, PAD_XX, PAD_XY}, {PAD_YZ, PAD_PAIR_YX, PAD_YY}};
-    constexpr int layer[3][3] = {{PAD_ZZ, PAD_XZ, PAD_YZ}, {PAD_XZ, PAD_XX, PAD_XY}, {PAD_YZ, PAD_XY, PAD_YY}};
-    const int at = pairs_ ? PAD_PAIR * ((ix * ny_ + iy) * nx_ * ny_ + jx * ny_ + jy)
-                          : PAD_INFLUENCE * ((jx - ix + nx_) * (2 * ny_ + 1) + jy - iy + ny_);
-    const double number = table_[static_cast<std::size_t>(PAD_TABLE_HEAD + at + (pairs_ ? normal : layer)[to][by])];
+    constexpr int of_layer[3][3] = {{PAD_ZZ, PAD_XZ, PAD_YZ}, {PAD_XZ, PAD_XX, PAD_XY}, {PAD_YZ, PAD_XY, PAD_YY}};
+    const int entry = pairs_ ? PAD_PAIR * ((ix * ny_ + iy) * nx_ * ny_ + jx * ny_ + jy)
+                             : PAD_INFLUENCE * ((jx - ix + nx_) * (2 * ny_ + 1) + jy - iy + ny_);
+    const int at = PAD_TABLE_HEAD + entry + (pairs_ ? of_pairs : of_layer)[to][by];
+    const double number = table_[static_cast<std::size_t>(at)];
     return to > 0 && by == 0 ? -number : number;  // n is the negative of a force along z
   }
 
@@ -119,16 +120,16 @@ SplitBlocks split_blocks(const std::vector<double>& table, bool pairs, int nx, i
   made.rho_n = normal_rho * normal.mean(), made.rho_t = tangential_rho * tangential.mean();
   Eigen::VectorXd rho = Eigen::VectorXd::Constant(rows, made.rho_t);
   rho.head(quarter).setConstant(made.rho_n);
-  const std::size_t numbers = static_cast<std::size_t>(4 * rounds * rows * STEP_ROUND);
-  made.numbers.resize(2 * numbers);
+  const int numbers = 4 * rounds * rows * STEP_ROUND;
+  made.numbers.resize(2 * static_cast<std::size_t>(numbers));
   for (int k = 0; k < 4; ++k) {
     const Eigen::MatrixXd& B = blocks[static_cast<std::size_t>(k)];
     const Eigen::MatrixXd inverse = (B + Eigen::MatrixXd(rho.asDiagonal())).inverse();
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < rows; ++column) {
-        const auto at =
-            static_cast<std::size_t>(((k * rounds + row / STEP_ROUND) * rows + column) * STEP_ROUND + row % STEP_ROUND);
-        made.numbers[at] = B(row, column), made.numbers[numbers + at] = inverse(row, column);
+        const int at = ((k * rounds + row / STEP_ROUND) * rows + column) * STEP_ROUND + row % STEP_ROUND;
+        made.numbers[static_cast<std::size_t>(at)] = B(row, column);
+        made.numbers[static_cast<std::size_t>(numbers + at)] = inverse(row, column);
       }
   }
   return made;

@@ -128,8 +128,8 @@ TEST(PadStepSplit, ItsTractionsHoldTheFace) {
   for (int i = 0; i < 64; ++i) {
     double u = 0;
     for (int j = 0; j < 64; ++j) {
-      const int dx = i / 8 - j / 8, dy = i % 8 - j % 8;
-      const fem::CellInfluence& c = all[static_cast<std::size_t>(std::abs(dx) * 9 + std::abs(dy))];
+      const int dx = i / 8 - j / 8, dy = i % 8 - j % 8, offset = std::abs(dx) * 9 + std::abs(dy);
+      const fem::CellInfluence& c = all[static_cast<std::size_t>(offset)];
       const auto at = static_cast<std::size_t>(j);
       u -= (c.zz * t[at] + (dx < 0 ? -1 : 1) * c.xz * t[64 + at] + (dy < 0 ? -1 : 1) * c.yz * t[128 + at]) /
            rubber.young;
@@ -188,8 +188,8 @@ TEST(PadStepSplit, ATableWithoutSymmetryIsSwept) {
   PairInfluence pairs;
   for (int place = 0; place < 64; ++place)
     for (int source = 0; source < 64; ++source) {
-      const int dx = place / 8 - source / 8, dy = place % 8 - source % 8;
-      fem::CellInfluence c = layer[static_cast<std::size_t>(std::abs(dx) * 9 + std::abs(dy))];
+      const int dx = place / 8 - source / 8, dy = place % 8 - source % 8, offset = std::abs(dx) * 9 + std::abs(dy);
+      fem::CellInfluence c = layer[static_cast<std::size_t>(offset)];
       if (dx < 0) c.xz = -c.xz, c.xy = -c.xy;
       if (dy < 0) c.yz = -c.yz, c.xy = -c.xy;
       const double softer = place == source && place < 8 ? 1.3 : 1;  // a row at one side
