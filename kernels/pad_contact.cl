@@ -306,6 +306,8 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     do {
       list_cells(&s.active, &c);
       while (any_of(&s.active)) sweep(influence, a->most_sweeps, &c, &s);
+      list_all(&c);
+      sum_afresh(influence, &c);
       widen(influence, &solving, &c, &s);
       if (any_of(&s.active)) continue;
       if (any_of(&s.searching)) next_depth(influence, heights, tolerance, &c, &s);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /* One increment of many contacts with one pad, whose state stays in buffers between launches: contacts inside a
    simulator, which knows the next pose or wrench only then. A contact a lane; the laws, the sweeps and their rules are
-   those of kernels/pad_contact.cl, in the same code: the increments of a path, one a launch, have the bits of the path.
+   those of kernels/pad_contact.cl, in the same code: the increments of a path, one a launch, have the bits of the path,
+   where the object covers little of the grid. Where it covers most of it they agree within the tolerance of sweeps, for
+   such contacts are split (kernels/pad/splitting.h).
 
    - Cells are fixed to the pad, CELLS x CELLS_Y of one size about its middle; all contacts share one table. Heights come
      anew with each step. What the object does to the friction is its motion alone: heights that travel do not drag.
@@ -23,7 +25,7 @@
 #include "pad/nearby.h"
 #include "pad/pose_search.h"
 #include "pad/residual.h"
-#include "pad/sweep.h"
+#include "pad/splitting.h"
 
 #define STATE_ROWS (STEP_FIELDS * COUNT + STEP_NUMBERS)
 
@@ -269,11 +271,13 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
    PAD_OPEN where there is no object; 1 / f - 1. The other arrays are as kernels/shared/pad_step_layout.h has them.
    kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near up to that part of the depth above it;
    travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
-   +y. */
-kernel void pad_step(uint first_group, global const real *table, global const vreal *input, global const vreal *heights,
-                     global const vreal *soft, int by_wrench, real kt, real kr, real force, real thickness,
-                     real tolerance, real accept, real force_tolerance, int most_sweeps, int most_solves, real reach,
-                     real travel, int sides, global vreal *state, global real *result) {
+   +y; blocks, rho_n, rho_t: of kernels/pad/splitting.h, [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
+   (B + rho)^-1; wide_from: cells in the window of a contact that is split. */
+kernel void pad_step(uint first_group, global const real *table, global const real *blocks, real rho_n, real rho_t,
+                     int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
+                     int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,
+                     real force_tolerance, int most_sweeps, int most_solves, real reach, real travel, int sides,
+                     global vreal *state, global real *result) {
   TAKE_GROUP(group);
 #if DENSE
   global const real *entries = table + PAD_TABLE_HEAD;
@@ -292,6 +296,7 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
   State s;
   Search search;
   Target target;
+  Split splitting;
   Lanes missing[3];
   load_numbers(&influence, input, heights, soft, state, by_wrench, &s);
   load_cells(&influence, soft, state, &s, &c);
@@ -320,10 +325,15 @@ kernel void pad_step(uint first_group, global const real *table, global const vr
   load_history(state, &c);
   list_pressing(&c);
   start_increment(&influence, &target, heights, &c, &s, &solving);
+  splitting.rho_n = rho_n;
+  splitting.rho_t = rho_t;
+  start_splitting(&influence, wide_from, &c, &s, &splitting);
   EACH_VECTOR(v) { s.searching.v[v] = s.by_force.v[v] = wants.v[v]; }
   do {
+    split(&influence, blocks + BLOCKS_NUMBERS, most_sweeps, &c, &s, &splitting);
     list_cells(&s.active, &c);
     while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
+    sum_split(&influence, blocks, &c, &splitting);
     widen(&influence, &solving, &c, &s);
     if (any_of(&s.active)) continue;
     if (any_of(&s.searching))

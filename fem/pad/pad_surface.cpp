@@ -14,8 +14,9 @@ namespace {
 constexpr int points_of_cell = 8;  ///< along a side, where an edge runs through the cell: the cover is right to 1/16
 constexpr int points_of_means = 16;
 
-/// Larger by this part of a cell's sides, along the own axes of an indenter turned by `angle`.
+/// What an indenter turned by `angle` lies above: larger by this part of a cell's sides along its own axes, and level.
 PadIndenter enlarged(PadIndenter indenter, double part, const PadCells& cells, double angle) {
+  indenter.tilt = 0;
   const double across = std::pow(std::sin(angle), 2), more = cells.hy - cells.hx;
   const double by_x = part * (cells.hx + across * more), by_y = part * (cells.hy - across * more);
   if (auto* punch = std::get_if<Punch>(&indenter.shape)) punch->radius += (by_x + by_y) / 2;

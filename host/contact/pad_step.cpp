@@ -18,6 +18,7 @@
 #include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
+#include "host/contact/pad_step_blocks.h"
 #include "host/device/unwritten.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
@@ -33,6 +34,8 @@ constexpr std::size_t widest_vector = 64;  ///< of AVX-512
 constexpr double usual_reach = 0.5;        ///< rubber bulges beside an object by less than this part of its depth
 constexpr double longest_motion = 0.05;    ///< H, of a solve along the pad
 constexpr double least_cover = 1e-3;       ///< of a cell that counts as covered
+constexpr double wide_share = 0.7;         ///< of the grid that a contact covers which is split: it takes less time
+constexpr int never_wide = most_grid * most_grid + 1;
 
 static_assert(int(step_open) == int(STEP_OPEN) && int(step_slides) == int(STEP_SLIDES));
 static_assert(int(step_unmet) == int(STEP_UNMET) && int(step_edge) == int(STEP_EDGE));
@@ -218,6 +221,7 @@ struct PadStepper<Real>::State {
                             {"CELLS_Y", std::to_string(cells.ny())},
                             {"VECTORS", std::to_string(vectors)},
                             {"DENSE", std::to_string(!pairs.empty())}});
+    wide_from = static_cast<int>(std::ceil(wide_share * cells.count()));
     make_tables(pairs);
     make_arrays();
     make_launches();
@@ -253,11 +257,12 @@ struct PadStepper<Real>::State {
   int vectors = 1;
   fem::PadCells cells;
   std::optional<fem::PadSides> sides{};  ///< free ones
-  double root_zz = 0, root_tt = 0, kt = 0, kr = 0;
+  double root_zz = 0, root_tt = 0, rho_n = 1, rho_t = 1, kt = 0, kr = 0;
   double reach = usual_reach;
+  int wide_from = 0;  ///< cells in the window of a contact that is split
   std::size_t frame_rows = 0;
   std::optional<Program> program;
-  Buffer<Real> table, base, input, heights, soft, state, result, frame;
+  Buffer<Real> table, blocks, base, input, heights, soft, state, result, frame;
   std::optional<Launch> step_launch, frame_launch;
   bool writes = false;  ///< the driver's kernel does, as the first step has shown
   bool framed = false;
@@ -279,7 +284,13 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
     check_size("pairs", pairs.size(), 9 * cell_count() * cell_count());
     influence = table_of_pairs(pairs, influence, H);
   }
-  table = Buffer<Real>(device(), std::span<const Real>(real(influence)));
+  const std::vector<Real> own = real(influence);
+  table = Buffer<Real>(device(), std::span<const Real>(own));
+  // From the kernel's numbers, so that tables that are the same there have the same bits.
+  const SplitBlocks split = split_blocks({own.begin(), own.end()}, !pairs.empty(), cells.n, cells.ny());
+  if (split.numbers.empty()) wide_from = never_wide;
+  blocks = Buffer<Real>(device(), std::span<const Real>(split.numbers.empty() ? own : real(split.numbers)));
+  rho_n = split.rho_n, rho_t = split.rho_t;
   const StickingDisc disc(tables.layer()->beside(object));
   kt = disc.kt, kr = disc.kr;
   const TactelPoints points(pad);
@@ -340,6 +351,10 @@ void PadStepper<Real>::State::make_launches() {
   const fem::Accuracy accuracy = fem::by_rule<Real>({options.tolerance, 0}, fem::slow_on_patch);
   step_launch = executor.prepare(*program, "pad_step", [&](KernelArguments& kernel) {
     kernel.set("table", table);
+    kernel.set("blocks", blocks);
+    kernel.set("rho_n", Real(rho_n));
+    kernel.set("rho_t", Real(rho_t));
+    kernel.set("wide_from", std::int32_t(wide_from));
     kernel.set("input", input);
     kernel.set("heights", heights);
     kernel.set("soft", soft);
@@ -667,6 +682,12 @@ void PadStepper<Real>::put_back(const Kept& kept, std::span<const std::uint8_t> 
 template <class Real>
 void PadStepper<Real>::set_reach(double reach) {
   state_->step_launch->set("reach", static_cast<Real>(std::min(reach, 1e20)));
+}
+
+template <class Real>
+void PadStepper<Real>::set_wide_share(double share) {
+  if (state_->wide_from != never_wide)
+    state_->step_launch->set("wide_from", std::int32_t(std::ceil(share * state_->cells.count())));
 }
 
 template class PadStepper<float>;

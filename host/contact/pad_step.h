@@ -91,6 +91,8 @@ class PadStepper {
 
   /// Cells are near up to this part of the depth above it; infinity: all, for tests.
   void set_reach(double reach);
+  /// Contacts that cover this share of the grid are split; above 1: none, for tests.
+  void set_wide_share(double share);
 
  private:
   struct State;

@@ -274,6 +274,12 @@ static void list_cells(const Masks *lanes, Cells *c) {
 #endif
 }
 
+static void list_all(Cells *c) {
+  Masks all;
+  EACH_VECTOR(v) { all.v[v] = ~(vint)0; }
+  list_cells(&all, c);
+}
+
 static inline int any_of(const Masks *m) {
   vint any = m->v[0];
   for (int v = 1; v < VECTORS; ++v) any |= m->v[v];

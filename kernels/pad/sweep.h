@@ -60,12 +60,8 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
   if (any_of(&left)) list_cells(&s->active, c);
 }
 
-/* Fresh sums at all cells, or at those nearby, by those of all lanes. Cells of lanes that solve which are penetrated outside their window
-   join it; these lanes go on. */
-OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
-  Masks all;
-  EACH_VECTOR(v) { all.v[v] = ~(vint)0; }
-  list_cells(&all, c);
+/* Fresh sums at all cells, or at those nearby, by the cells listed. */
+OUTLINE void sum_afresh(const Influence *influence, Cells *c) {
   ROLLED for (int k = 0; k < SUMMED(c); ++k) {
     const int i = CELL_SUMMED(c, k);
     displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &c->ux[i], &c->uy[i], &c->uz[i]);
@@ -73,6 +69,10 @@ OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, S
     add_own(c, i, &c->ux[i], &c->uy[i], &c->uz[i]);
 #endif
   }
+}
+
+/* Cells of lanes that solve which are penetrated outside their window join it; these lanes go on. */
+OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
   ROLLED for (int k = 0; k < SUMMED(c); ++k) EACH_VECTOR(v) {
     const int i = CELL_SUMMED(c, k);
     const vreal gap = c->open[i].v[v] - c->uz[i].v[v];

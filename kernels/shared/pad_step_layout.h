@@ -84,4 +84,7 @@ enum PadStepFlag {
 /* Rows of stresses that kernel pad_frames sums at once. */
 enum { STEP_FRAME_BLOCK = 8 };
 
+/* Rows of a block that kernels/pad/splitting.h multiplies at once. */
+enum { STEP_ROUND = 12 };
+
 #endif

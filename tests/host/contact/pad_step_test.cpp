@@ -50,6 +50,7 @@ void expect_path(int cells, double poisson) {
   std::vector<double> mu, pose(4 * scenes.size());
   for (const fem::PadScene& scene : scenes) mu.push_back(scene.friction);
   PadStepper<Real> steps(executor(), sensor, scenes.size(), mu, {.cells = cells, .cell = side, .most_sweeps = 2000});
+  steps.set_wide_share(2);  // paths are swept
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Eigen::MatrixXd ring = fem::cell_heights(grids[i], scenes[i].indenter);
     fem::PadSurface surface{Eigen::ArrayXd(cells * cells), Eigen::ArrayXd::Ones(cells * cells)};
@@ -112,11 +113,11 @@ std::vector<std::vector<std::vector<float>>> way(PadStepper<float>& steps, const
   return rows;
 }
 
-TEST(PadStep, HasTheSameBitsInAnyBatchOrderAndLanes) {
-  const Bowls all(600, 3);  // which has two vectors a work-item where the processor is wide
+/// Of 600 contacts, which have two vectors a work-item in sixteen lanes.
+void expect_same_bits(const Bowls& all) {
   std::vector<std::size_t> every(all.count);
   std::iota(every.begin(), every.end(), 0);
-  Executor wide(Device("basic").with_halves(false));
+  Executor wide(Device("basic").with_lanes(16).with_halves(false));
   PadStepper<float> steps = all.steps(wide);
   const std::vector<double> P = pressed(steps, all);
   steps.reset();
@@ -135,8 +136,10 @@ TEST(PadStep, HasTheSameBitsInAnyBatchOrderAndLanes) {
   }
 }
 
-TEST(PadStep, GoesOnFromAStateWithTheSameBits) {
-  const Bowls all(20, 4);
+TEST(PadStep, HasTheSameBitsInAnyBatchOrderAndLanes) { expect_same_bits(Bowls(600, 3)); }
+TEST(PadStepSplit, HasTheSameBitsInAnyBatchOrderAndLanes) { expect_same_bits(covering(600, 3)); }
+
+void expect_to_go_on(const Bowls& all) {
   PadStepper<float> steps = all.steps(executor());
   const std::vector<double> P = pressed(steps, all);
   for (int k = 1; k < 6; ++k) steps.press(all.wrench(k, P, 0.9));
@@ -160,6 +163,9 @@ TEST(PadStep, GoesOnFromAStateWithTheSameBits) {
   }
 }
 
+TEST(PadStep, GoesOnFromAStateWithTheSameBits) { expect_to_go_on(Bowls(20, 4)); }
+TEST(PadStepSplit, GoesOnFromAStateWithTheSameBits) { expect_to_go_on(covering(20, 4)); }
+
 TEST(PadStep, ResetsThoseOfAMask) {
   const Bowls all(5, 4);
   PadStepper<float> steps = all.steps(executor()), fresh = all.steps(executor());
@@ -176,6 +182,7 @@ TEST(PadStep, NeedsNoCellsBeyondItsReach) {
   const Bowls all(64, 6);
   PadStepper<float> near = all.steps(executor()), far = all.steps(executor());
   far.set_reach(1e9);
+  near.set_wide_share(2), far.set_wide_share(2);
   const std::vector<double> P = pressed(near, all);
   pressed(far, all);
   for (int k = 4; k < 30; ++k) {

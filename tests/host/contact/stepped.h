@@ -28,6 +28,15 @@ inline std::vector<float> rows_of(const PadStepper<float>& steps, std::size_t co
   return {all.begin(), all.end()};
 }
 
+/// Bowls of which three of four lie over most of the grid.
+inline Bowls covering(std::size_t count, unsigned seed) {
+  Bowls bowls(count, seed);
+  const auto cells = static_cast<std::size_t>(bowls.cells.count());
+  for (std::size_t k = 0; k < bowls.heights.size(); ++k)
+    if (k / cells % 4 != 0) bowls.heights[k] *= 0.25;
+  return bowls;
+}
+
 /// Presses by motion, and returns the forces P.
 inline std::vector<double> pressed(PadStepper<float>& steps, const Bowls& bowls) {
   for (int k = 0; k < 4; ++k) steps.move(bowls.pose(k));
