@@ -10,6 +10,7 @@
 
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
+#include "fem/pad/pad_layers.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
@@ -321,7 +322,8 @@ class Slide {
   void add(const Row& row, const PadContactOf& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
-    const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young;
+    const double limit = contact.friction * row.P / row.area * thickness * 2 * (1 + poisson) / young *
+                         fem::softer_in_shear(contact.sensor);
     whole_.add(row.slid, limit), cells_.add(row.slip_path, limit);
   }
   double whole() const { return whole_.over_limit; }
