@@ -124,6 +124,11 @@ inline constexpr auto numbers<Cone> =
     std::tuple{Number{"angle", "degrees", &Cone::angle, "degrees between surface and axis, above 0 and below 90",
                       "degrees between surface and axis, above 0 and below 90"}};
 template <>
+inline constexpr auto numbers<RubberLayer> =
+    std::tuple{Number{"thickness", "mm", &RubberLayer::thickness, some_mm, "mm"},
+               Number{"young", "MPa", &RubberLayer::young, "a number of MPa above 0", "MPa"},
+               Number{"poisson", "1", &RubberLayer::poisson, "a number with 0 <= poisson <= 0.5", "", false}};
+template <>
 inline constexpr auto numbers<Pad> = std::tuple{
     Number{"tactels", "", &Pad::tactels, "two whole numbers [nx, ny] of tactels along x and y", "along x and y", false,
            false},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/layer_transforms.h"
 
+#include <Eigen/Dense>
 #include <cmath>
 
 namespace tactel::fem {
@@ -27,6 +28,22 @@ struct Terms {
   double D;                                                 ///< denominator of all transforms
 };
 
+/// Y, B and S of one layer by |w| = 1.
+struct Slab {
+  Slab(const RubberLayer& layer, double a) {
+    const double nu = layer.poisson, G = layer.young / (2 * (1 + nu)), part = 2 * (1 - nu);
+    const Terms t(nu, a);
+    const LayerTransforms one = layer_transforms(nu, a);
+    Y << part * one.xx, one.xy, one.xy, part * one.yy;
+    Y /= 2 * G;
+    B << one.tau_by_x, -one.tau_by_y, one.sigma_by_x, one.sigma_by_y;
+    const double bent = 2 * a * t.inverse, q = t.compressible * t.cosh_2a_less_1 + a * bent;
+    S << part * (t.sinh_2a + bent), q, q, part * (t.sinh_2a - bent);
+    S *= 2 * G / t.D;
+  }
+  Eigen::Matrix2d Y, B, S;
+};
+
 }  // namespace
 
 LayerTransforms layer_transforms(double poisson, double a) {
@@ -39,6 +56,32 @@ LayerTransforms layer_transforms(double poisson, double a) {
           .tau_by_x = t.p * (even - a * t.sinh_a) / t.D,
           .tau_by_y = t.p * (a * t.cosh_a - odd) / t.D,
           .sigma_by_x = t.p * (a * t.cosh_a + odd) / t.D};
+}
+
+StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a) {
+  double thickness = 0, across = 0, across_base = 1;
+  for (const RubberLayer& layer : layers) thickness += layer.thickness;
+  Eigen::Matrix2d Y = Eigen::Matrix2d::Zero(), B = Eigen::Matrix2d::Identity();
+  for (const RubberLayer& layer : layers) {
+    const double own = a * layer.thickness / thickness, G = layer.young / (2 * (1 + layer.poisson));
+    const Slab slab(layer, own);
+    const Eigen::Matrix2d X = (Eigen::Matrix2d::Identity() + slab.S * Y).inverse() * slab.B;
+    Y = (slab.Y + slab.B.transpose() * Y * X).eval();
+    B = (B * X).eval();
+    const double even = 1 / std::cosh(own), odd = std::tanh(own), passed = even / (1 + G * odd * across);
+    across = odd / G + even * across * passed;
+    across_base *= passed;
+  }
+  const double nu = layers.back().poisson, G = layers.back().young / (2 * (1 + nu));
+  return {.plane = {.yy = Y(1, 1) * G / (1 - nu),
+                    .xx = Y(0, 0) * G / (1 - nu),
+                    .xy = 2 * G * Y(0, 1),
+                    .sigma_by_y = B(1, 1),
+                    .tau_by_x = B(0, 0),
+                    .tau_by_y = -B(0, 1),
+                    .sigma_by_x = B(1, 0)},
+          .across = across * G,
+          .across_base = across_base};
 }
 
 }  // namespace tactel::fem

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad_scene.h>
+
+#include <span>
 
 namespace tactel::fem {
 
@@ -32,5 +35,27 @@ struct LayerTransforms {
 /// Returns the transforms at a = |w| h >= 0 for 0 <= poisson <= 1/2. Numerators and D are divided by exp(2a), so
 /// that nothing overflows.
 LayerTransforms layer_transforms(double poisson, double a);
+
+// Layers upon layers. With f_y = i F, u_y = i V all of a wave is real: u = Y f of the surface and s = B f of the base
+// have, for one layer of shear modulus G on a rigid base,
+//
+//     Y = [2 (1 - nu) xx, xy; xy, 2 (1 - nu) yy] / (2 G |w|)          B = [tau_by_x, -tau_by_y; sigma_by_x, sigma_by_y]
+//
+// and where the base moves by v below a free surface, u = B^T v (Betti) and s = -S v,
+//
+//     S = 2 G |w| / D [p (sinh 2a + 2a) / 2, q; q, p (sinh 2a - 2a) / 2]       q = (1 - 2 nu) (cosh 2a - 1) + 2 a^2
+//
+// On layers of Y' and B', whose surface is its base, v = Y' s: with X = (1 + S Y')^-1 B the stack has Y + B^T Y' X and
+// B' X. No term grows with a (E. L. Tan, J. Acoust. Soc. Am. 119, 2006, 45-53, has such recursions). Across the wave
+// the same holds of numbers, Y = tanh a / (G |w|), B = 1 / cosh a, S = G |w| tanh a.
+
+/// The answer of layers in place of one, by the modulus and Poisson's ratio of the uppermost.
+struct StackTransforms {
+  LayerTransforms plane;
+  double across, across_base;  ///< tanh a and 1 / cosh a of one layer
+};
+
+/// Returns the transforms of layers from the base up, at least one, at a = |w| times the sum of their thicknesses.
+StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a);
 
 }  // namespace tactel::fem

@@ -134,6 +134,9 @@ int points_along(double half_range, double side) {
 
 PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size_t step) {
   if (has_free_sides(scene.sensor)) throw ValueError("sides", "free", "held: the field is that of an endless layer");
+  if (!scene.sensor.layers.empty())
+    throw ValueError("sensor.layers", std::to_string(scene.sensor.layers.size()) + " layers",
+                     "left out: the field is that of one layer");
   const PadCells& cells = solution.cells;
   const PadStep& at = solution.steps.at(step);
   const double H = scene.sensor.thickness, nu = scene.sensor.poisson, G = scene.sensor.young / (2 * (1 + nu));

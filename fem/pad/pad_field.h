@@ -20,7 +20,7 @@ struct PadField {
 /// Each number is the mean over half a cell along x and y. The tractions repeat in ten thicknesses, and their
 /// mean bears on all of that square: 3e-3 of the largest pressure at most. Cells below a
 /// twentieth of a thickness count as such. Throws ValueError, key "sides", for a pad with free
-/// sides, which bound no endless layer.
+/// sides, which bound no endless layer, and "sensor.layers" for layers upon layers.
 PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size_t step);
 
 }  // namespace tactel::fem

@@ -14,6 +14,7 @@ namespace {
 // Wavenumbers beyond carry nothing: the integrands fall like a^2 e^-a at the base, like e^-2a at the surface.
 constexpr double last_wavenumber = 48;
 constexpr double panel = 0.8;
+constexpr double last_panel_phase = 19.2;  ///< of the Bessel functions in a panel
 constexpr int points_a_panel = 16;
 // Near nu = 1/2 the integrands change at a of sqrt(1 - 2 nu): panels double from here on.
 constexpr double first_panel = 1e-5;
@@ -43,16 +44,34 @@ constexpr int order[pad_integrals] = {0, 0, 2, 1, 0, 0, 2, 1, 1};
 PadIntegrals::PadIntegrals(double poisson) {
   const auto points = points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel);
   weight_.resize(pad_integrals, static_cast<Eigen::Index>(points.size()));
+  for (const auto& [a, weight] : points)
+    add(poisson, layer_transforms(poisson, a), -2 / (std::exp(2 * a) + 1), 1 / std::cosh(a), a, weight);
+}
+
+PadIntegrals::PadIntegrals(std::span<const RubberLayer> layers, double farthest) {
+  constexpr double first = 1e-7, fades = 100;
+  double H = 0;
+  for (const RubberLayer& layer : layers) H += layer.thickness;
+  const double top = layers.back().thickness / H, fade = 2 * fades / farthest;
+  const double last = std::max(last_wavenumber, last_wavenumber / 2 / top);
+  const auto points =
+      points_on_doubling_panels(first, last_panel_phase / farthest, std::min(last, 1.6 * fade), points_a_panel);
+  weight_.resize(pad_integrals, static_cast<Eigen::Index>(points.size()));
   for (const auto& [a, weight] : points) {
-    const LayerTransforms t = layer_transforms(poisson, a);
-    const double along = (1 - poisson) * (t.xx - 1), across = -2 / (std::exp(2 * a) + 1);  // tanh a - 1
-    const double base = 1 / std::cosh(a);
-    PadValues w;
-    w << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * poisson), a * t.sigma_by_y,
-        a * (t.tau_by_x + base) / 2, a * (t.tau_by_x - base) / 2, a * t.tau_by_y, a * t.sigma_by_x;
-    weight_.col(static_cast<Eigen::Index>(a_.size())) = weight * w;
-    a_.push_back(a);
+    const StackTransforms t = stack_transforms(layers, a);
+    add(layers.back().poisson, t.plane, t.across - 1, t.across_base, a,
+        farthest > top ? weight * std::exp(-std::pow(a / fade, 8)) : weight);
   }
+}
+
+/// A wavenumber with its transforms; `across` is less that of the half-space, 1.
+void PadIntegrals::add(double nu, const LayerTransforms& t, double across, double base, double a, double weight) {
+  const double along = (1 - nu) * (t.xx - 1);
+  PadValues w;
+  w << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * nu), a * t.sigma_by_y, a * (t.tau_by_x + base) / 2,
+      a * (t.tau_by_x - base) / 2, a * t.tau_by_y, a * t.sigma_by_x;
+  weight_.col(static_cast<Eigen::Index>(a_.size())) = weight * w;
+  a_.push_back(a);
 }
 
 PadIntegrals::At PadIntegrals::at(double rho) const {

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "fem/layer/layer_transforms.h"
+
 namespace tactel::fem {
 
 // A layer of thickness H, bonded to a rigid base at z = 0, endless along x and y: displacement of its surface and
@@ -34,6 +36,8 @@ namespace tactel::fem {
 //     b0  = int a sigma_by_y J0       bA = int a (tau_by_x + 1 / cosh a) / 2 J0      bzx = int a sigma_by_x J1
 //     bxz = int a tau_by_y J1         bB = int a (tau_by_x - 1 / cosh a) / 2 J2
 //
+// Layers upon layers have stack_transforms, and 1 - nu, 1 + nu and E = 1 are those of the uppermost.
+//
 // Derived from the layer's transforms with the angular integrals of J0, J1, J2; as H grows z0, A, B and Z vanish. All
 // hold at nu = 1/2. Far away displacements and stresses fall like exp(-0.739 rho) or faster.
 
@@ -46,7 +50,7 @@ using PadValues = Eigen::Array<double, pad_integrals, 1>;
 /// The integrals at some rho, then their slopes by rho: [2 pad_integrals][rho].
 using PadSamples = Eigen::Matrix<double, 2 * pad_integrals, Eigen::Dynamic>;
 
-/// The integrals of one Poisson's ratio, by Gauss quadrature over wavenumbers: the reference of PadLayer's tables.
+/// The integrals of a rubber, by Gauss quadrature over wavenumbers: the reference of PadLayer's tables.
 class PadIntegrals {
  public:
   struct At {
@@ -56,6 +60,10 @@ class PadIntegrals {
   /// 0 <= poisson <= 1/2.
   explicit PadIntegrals(double poisson);
 
+  /// Of layers from the base up, for rho from a half to the whole of `farthest`, or from 0 where that is the uppermost
+  /// layer over H. Waves beyond 100 / rho leave the smooth integrals there as they are: they fade out.
+  PadIntegrals(std::span<const RubberLayer> layers, double farthest);
+
   /// Returns the integrals and their slopes at rho >= 0. They hold to some 1e-13 for rho up to 24.
   At at(double rho) const;
 
@@ -63,6 +71,8 @@ class PadIntegrals {
   static std::vector<PadSamples> sampled(std::span<const PadIntegrals> of, const Eigen::VectorXd& rho);
 
  private:
+  void add(double nu, const LayerTransforms& t, double across, double base, double a, double weight);
+
   std::vector<double> a_;  ///< wavenumbers, the same for all Poisson's ratios
   /// [integrals][wavenumbers]: of the quadrature times the integrands without their Bessel functions.
   Eigen::Matrix<double, pad_integrals, Eigen::Dynamic> weight_;

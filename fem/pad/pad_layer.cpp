@@ -12,6 +12,7 @@ namespace tactel::fem {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr double base_near = 0.5;  ///< H: from where on the base stress varies
 
 /// Gauss points along a side of a cell. They leave 1e-10 of an influence up to 1 H.
 const std::vector<LegendrePoint>& points_along(double side) {
@@ -20,11 +21,34 @@ const std::vector<LegendrePoint>& points_along(double side) {
   return side <= 0.25 ? few : side <= 1 ? some : many;
 }
 
-/// Calls f(x, y, weight) at Gauss points of a cell about (x, y); weights sum to 1. All in units of H.
-template <class F>
-void over_cell(double hx, double hy, double x, double y, F f) {
-  for (const LegendrePoint& p : points_along(hx))
-    for (const LegendrePoint& q : points_along(hy)) f(x - hx / 2 * p.x, y - hy / 2 * q.x, p.weight * q.weight / 4);
+/// Points along a side about `at`, and their shares, for what varies as 1 / rho from `near` on; the side lies `beside`
+/// rho = 0. Where that is near, panels grow threefold from there.
+std::vector<LegendrePoint> points_about_zero(double side, double at, double beside, double near) {
+  static const auto rules = [] {
+    std::array<std::vector<LegendrePoint>, 11> all;
+    for (int count = 4; count <= 10; ++count) all[count] = legendre_points(count);
+    return all;
+  }();
+  std::vector<LegendrePoint> points;
+  const auto add = [&](double left, double right, int count) {
+    for (const LegendrePoint& p : rules[count])
+      points.push_back({(left + right) / 2 + (right - left) / 2 * p.x, (right - left) / (2 * side) * p.weight});
+  };
+  const double left = at - side / 2, right = at + side / 2, z = 2 * std::max({std::abs(at), beside, near}) / side;
+  if (z >= 2) {
+    constexpr double digits = 13;  // of 1e-11 over the convergence of Gauss's
+                                   // rule (L. N. Trefethen, SIAM Rev. 50, 2008)
+    add(left, right, std::clamp(static_cast<int>(std::ceil(digits / std::acosh(z))), side <= 0.25 ? 4 : 6, 10));
+    return points;
+  }
+  std::vector<double> ends{left, right};
+  if (left < 0 && right > 0) ends.push_back(0);
+  for (double end = std::max(near, beside); end < std::max(-left, right); end *= 3)
+    for (const double place : {-end, end})
+      if (place > left && place < right) ends.push_back(place);
+  std::ranges::sort(ends);
+  for (std::size_t k = 0; k + 1 < ends.size(); ++k) add(ends[k], ends[k + 1], 10);
+  return points;
 }
 
 /// Places along a side of a cell at which the rest of its normal influence is taken, from its middle, in units of H.
@@ -83,14 +107,59 @@ double spline_integral(double r) {
   return std::copysign(integral, r);
 }
 
+/// How far shear of the upper layers is carried, over H: the longest length of a plate on a bed at any interface.
+double shear_length(const std::vector<RubberLayer>& layers) {
+  double H = 0, longest = 0, below = 0;
+  for (const RubberLayer& layer : layers) H += layer.thickness;
+  for (std::size_t k = 0; k + 1 < layers.size(); ++k) {
+    below += 2 * (1 + layers[k].poisson) * layers[k].thickness / layers[k].young;
+    double above = 0;
+    for (std::size_t upper = k + 1; upper < layers.size(); ++upper)
+      above += layers[upper].young * layers[upper].thickness / (1 - std::pow(layers[upper].poisson, 2));
+    longest = std::max(longest, above * below);
+  }
+  return std::sqrt(longest) / H;
+}
+
 }  // namespace
 
 PadLayer::PadLayer(double poisson)
     : PadLayer(poisson, PadIntegrals::sampled(std::vector{PadIntegrals(poisson)}, places()).front()) {}
 
-PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson) {
-  const double step = 1.0 / steps_a_thickness;
+PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson) { add_cells(places(), samples); }
+
+PadLayer::PadLayer(const std::vector<RubberLayer>& layers) : poisson_(layers.back().poisson) {
+  constexpr double lengths = 16;  // leave 1e-7
+  double H = 0, soft = 0;
+  for (const RubberLayer& layer : layers) {
+    H += layer.thickness;
+    soft += layer.thickness *
+            std::min(1.0, layers.back().young * (1 + layer.poisson) / (layer.young * (1 + layers.back().poisson)));
+  }
+  near_ = layers.back().thickness / H;
+  soft_thickness_ = std::max(soft / H, least_soft_thickness);
+  reach_ = std::max(range, lengths * shear_length(layers));
+  const auto count = static_cast<Eigen::Index>(std::ceil(steps_a_thickness * std::asinh(reach_ / near_)));
+  Eigen::VectorXd ends = Eigen::VectorXd::LinSpaced(count + 1, 0, static_cast<double>(count) / steps_a_thickness);
+  for (double& end : ends) end = near_ * std::sinh(end);
+  PadSamples samples(2 * pad_integrals, ends.size());
+  double farthest = near_;
+  for (Eigen::Index k = 0; k < ends.size();) {
+    const PadIntegrals integrals(layers, farthest);
+    for (; k < ends.size() && ends[k] <= farthest; ++k) {
+      const PadIntegrals::At at = integrals.at(ends[k]);
+      samples.col(k) << at.value, at.slope;
+    }
+    farthest *= 2;
+  }
+  ends_.assign(ends.begin(), ends.end());
+  add_cells(ends, samples);
+}
+
+/// Of integrals and slopes at the ends of the cells.
+void PadLayer::add_cells(const Eigen::VectorXd& ends, const PadSamples& samples) {
   for (Eigen::Index cell = 0; cell + 1 < samples.cols(); ++cell) {
+    const double step = ends_.empty() ? 1.0 / steps_a_thickness : ends[cell + 1] - ends[cell];
     const auto left = samples.col(cell), right = samples.col(cell + 1);
     auto& row = cells_.emplace_back();
     for (int f = 0; f < pad_integrals; ++f) {
@@ -120,7 +189,16 @@ std::vector<PadLayer::Share> PadLayer::shares(double side) {
   return all;
 }
 
+double PadLayer::value_of_layers(PadIntegral f, double rho) const {
+  const double place = steps_a_thickness * std::asinh(rho / near_);
+  const auto cell = std::min(static_cast<std::size_t>(place), cells_.size() - 1);
+  const double q = (rho - ends_[cell]) / (ends_[cell + 1] - ends_[cell]);
+  const Cubic& c = cells_[cell][f];
+  return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
+}
+
 double PadLayer::value(PadIntegral f, double rho) const {
+  if (!ends_.empty()) return value_of_layers(f, rho);
   const double place = rho * steps_a_thickness;
   const auto cell = std::min(static_cast<std::size_t>(place), cells_.size() - 1);
   const double q = place - static_cast<double>(cell);
@@ -128,20 +206,39 @@ double PadLayer::value(PadIntegral f, double rho) const {
   return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
 }
 
+/// Calls f(x, y, weight) at Gauss points of a cell about (x, y); weights sum to 1. All in units of H. What is averaged
+/// varies from `near` on.
+template <class F>
+void PadLayer::over_cell(double hx, double hy, double x, double y, double near, F f) const {
+  if (ends_.empty()) {
+    for (const LegendrePoint& p : points_along(hx))
+      for (const LegendrePoint& q : points_along(hy)) f(x - hx / 2 * p.x, y - hy / 2 * q.x, p.weight * q.weight / 4);
+    return;
+  }
+  const std::vector<LegendrePoint> along_x = points_about_zero(hx, x, std::abs(y) - hy / 2, near),
+                                   along_y = points_about_zero(hy, y, std::abs(x) - hx / 2, near);
+  for (const LegendrePoint& p : along_x)
+    for (const LegendrePoint& q : along_y) f(p.x, q.x, p.weight * q.weight);
+}
+
 /// Beyond the range the rest is the negative of the half-space's part.
 Eigen::Array4d PadLayer::displacements(double rho) const {
-  if (rho >= range) return {-1 / rho, (poisson_ - 2) / rho, poisson_ / rho, (2 * poisson_ - 1) / rho};
+  if (rho >= reach_) return {-1 / rho, (poisson_ - 2) / rho, poisson_ / rho, (2 * poisson_ - 1) / rho};
   return {value(pad_z0, rho), value(pad_A, rho), value(pad_B, rho), value(pad_Z, rho)};
 }
 
 Eigen::Array<double, 5, 1> PadLayer::stresses(double rho) const {
   Eigen::Array<double, 5, 1> b = Eigen::Array<double, 5, 1>::Zero();
-  if (rho < range)
+  if (rho < reach_)
     b << value(pad_b0, rho), value(pad_bA, rho), value(pad_bB, rho), value(pad_bxz, rho), value(pad_bzx, rho);
   return b;
 }
 
 Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double hy, int n) const {
+  if (!ends_.empty()) {
+    const std::vector<CellInfluence> all = influences(thickness, hx, hy, n - 1);
+    return Eigen::MatrixXd::NullaryExpr(n, n, [&](Eigen::Index i, Eigen::Index j) { return all[i * n + j].zz; });
+  }
   hx /= thickness, hy /= thickness;
   Eigen::MatrixXd corner(n + 1, n + 1), zz(n, n);  // neighbours share corners
   for (int i = 0; i <= n; ++i)
@@ -221,9 +318,10 @@ std::vector<CellInfluence> of_parts(double hx, double hy, int n, double range, c
 }  // namespace
 
 std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
+  const double unit = thickness * soft_thickness_;
   std::vector<CellInfluence> all =
-      of_parts(hx / thickness, hy / thickness, n, range, [&](double side_x, double side_y, int nx, int ny) {
-        return uniform_influences(thickness, side_x, side_y, nx, ny);
+      of_parts(hx / unit, hy / unit, n, reach_ / soft_thickness_, [&](double side_x, double side_y, int nx, int ny) {
+        return uniform_influences(thickness, side_x * soft_thickness_, side_y * soft_thickness_, nx, ny);
       });
   if (!(object_.softness > 0)) return all;
   const std::vector<CellInfluence> more = object_.influences(thickness, hx, hy, n);
@@ -262,7 +360,7 @@ PadLayer PadLayer::beside(const SoftObject& object) const {
 CellInfluence PadLayer::with_rest(double thickness, double hx, double hy, double x, double y,
                                   const Eigen::Array<double, 5, 1>& half_space) const {
   double z0 = 0, A = 0, B_cos = 0, B_sin = 0, Zx = 0, Zy = 0;
-  over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
+  over_cell(hx, hy, x, y, near_, [&](double X, double Y, double weight) {
     const double rho = std::sqrt(X * X + Y * Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
     const Eigen::Array4d at = weight * displacements(rho);
     z0 += at[pad_z0];
@@ -285,14 +383,15 @@ CellInfluence PadLayer::with_rest(double thickness, double hx, double hy, double
 
 PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, double x, double y) const {
   hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
-  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
-  const int mx = parts(hx), my = parts(hy);
+  const double unit_x = hx / soft_thickness_, unit_y = hy / soft_thickness_;
+  const std::vector<Share> along_x = shares(unit_x), along_y = shares(unit_y);
+  const int mx = parts(unit_x), my = parts(unit_y);
   PadBaseStress sum = PadBaseStress::Zero();
   for (const auto& [px, share_x] : along_x) {
-    if (std::abs(x - px * hx) > range + hx / mx) continue;
+    if (std::abs(x - px * hx) > reach_ + hx / mx) continue;
     for (const auto& [py, share_y] : along_y) {
-      if (std::abs(y - py * hy) > range + hy / my) continue;
-      over_cell(hx / mx, hy / my, x - px * hx, y - py * hy,
+      if (std::abs(y - py * hy) > reach_ + hy / my) continue;
+      over_cell(hx / mx, hy / my, x - px * hx, y - py * hy, base_near,
                 [&, share = share_x * share_y](double X, double Y, double w) {
                   const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
                   const Eigen::Array<double, 5, 1> b = share * w * stresses(rho);
@@ -313,18 +412,19 @@ PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, doub
 std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, double hy, int n, double x,
                                                    double y) const {
   hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
-  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
-  const int mx = parts(hx), my = parts(hy);
+  const double unit_x = hx / soft_thickness_, unit_y = hy / soft_thickness_;
+  const std::vector<Share> along_x = shares(unit_x), along_y = shares(unit_y);
+  const int mx = parts(unit_x), my = parts(unit_y);
   // Part u lies u times its side from the middle of the first cell; those out of range give nothing.
   struct Parts {
-    Parts(double at, double side, int parts, int cells) {
+    Parts(double at, double side, int parts, int cells, double range) {
       const int least = -5 * parts / 2, most = (cells - 1) * parts - least;
       first = static_cast<int>(std::clamp<double>(std::floor((at - range) / side), least, most));
       end = static_cast<int>(std::clamp<double>(std::ceil((at + range) / side), least, most)) + 1;
     }
     int first, end;
   };
-  const Parts u(x, hx / mx, mx, n), v(y, hy / my, my, n);
+  const Parts u(x, hx / mx, mx, n, reach_), v(y, hy / my, my, n, reach_);
   std::vector<PadBaseStress> lines(n * std::max(0, v.end - v.first), PadBaseStress::Zero()),
       all(n * n, PadBaseStress::Zero());
   const auto line = [&](int i, int l) -> PadBaseStress& { return lines[i * (v.end - v.first) + l - v.first]; };

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad_scene.h>
+
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
@@ -53,18 +55,26 @@ struct SoftObject {
   std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
 };
 
+/// What the rubber of a pad is made of, by its thickness and the Young's modulus of its surface.
+struct Rubber {
+  double poisson = 0;                 ///< of its surface
+  std::vector<RubberLayer> layers{};  ///< from the base up; none: one
+  auto operator<=>(const Rubber&) const = default;
+};
+
 /// Stress at the base, MPa per MPa: rows sigma_z, tau_x, tau_y; columns by f_x, f_y, f_z.
 using PadBaseStress = Eigen::Matrix3d;
 
-/// The layer of one Poisson's ratio: the integrals as piecewise cubics over rho.
+/// The layer of one Poisson's ratio, or layers upon layers: the integrals as piecewise cubics over rho.
 class PadLayer {
  public:
   static constexpr int steps_a_thickness = 80;                  ///< cells of width H / 80
-  static constexpr double range = 24;                           ///< H; beyond, the layer does not move
+  static constexpr double range = 24;                           ///< H; beyond, one layer does not move
   static constexpr double largest_error = 1e-9;                 ///< of the four integrals of displacements
   static constexpr double least_parted = 0.35;                  ///< H
   static constexpr int most_parts = 16;                         ///< of a side
   static constexpr double narrow_cell = 0.78, wide_cell = 1.1;  ///< H: sides whose traction is uniform, and smooth
+  static constexpr double least_soft_thickness = 0.1;           ///< H
 
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;
@@ -75,10 +85,17 @@ class PadLayer {
   /// `samples`: of this Poisson's ratio at places().
   PadLayer(double poisson, const PadSamples& samples);
 
+  /// Layers from the base up. Near rho = 0 cells are as wide as the uppermost layer / 80, farther off as rho / 80.
+  explicit PadLayer(const std::vector<RubberLayer>& layers);
+
   /// Returns the ends of the cells, H.
   static Eigen::VectorXd places();
 
   double poisson() const { return poisson_; }
+  /// H: beyond, the rubber does not move. A stiff cover carries shear far.
+  double reach() const { return reach_; }
+  /// H: thickness of rubber as soft as the surface, in place of H where sides of cells are narrow or wide.
+  double soft_thickness() const { return soft_thickness_; }
   /// The object whose influence is added to that of the layer: none. The base stress has nothing of it.
   const SoftObject& object() const { return object_; }
   /// Returns this layer beside an object.
@@ -97,8 +114,8 @@ class PadLayer {
   struct Share {
     double place, share;
   };
-  /// Returns the parts, narrower than H / 2, of a side over H: one where the traction is uniform, else an odd number
-  /// over each of the five sides that it covers.
+  /// Returns the parts, narrower than H / 2, of a side over H (over soft_thickness() of layers): one where the traction
+  /// is uniform, else an odd number over each of the five sides that it covers.
   static std::vector<Share> shares(double side);
 
   /// Returns the influence of a cell of uniform traction at an offset that is a multiple of its sides; all in mm.
@@ -109,7 +126,7 @@ class PadLayer {
 
   /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
   /// middle; along sides above least_parted H the mean over parts of H / 2, two Gauss points each. Good to 3e-3 of the
-  /// largest.
+  /// largest. Of layers upon layers it is zz of influences().
   Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
 
   /// Returns the base stress under a cell of shares() of unit mean traction at any offset, mm.
@@ -124,11 +141,17 @@ class PadLayer {
 
  private:
   double value(PadIntegral f, double rho) const;
+  double value_of_layers(PadIntegral f, double rho) const;
+  void add_cells(const Eigen::VectorXd& ends, const PadSamples& samples);
+  template <class F>
+  void over_cell(double hx, double hy, double x, double y, double near, F f) const;
   CellInfluence with_rest(double thickness, double hx, double hy, double x, double y,
                           const Eigen::Array<double, 5, 1>& half_space) const;
   std::vector<CellInfluence> uniform_influences(double thickness, double hx, double hy, int nx, int ny) const;
 
-  double poisson_;
+  double poisson_, reach_ = range, soft_thickness_ = 1;
+  double near_ = 0;             ///< H: the uppermost of layers
+  std::vector<double> ends_{};  ///< of the cells of layers upon layers, H
   SoftObject object_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;
 };

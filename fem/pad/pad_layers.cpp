@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/pad/pad_layers.h"
 
+#include <algorithm>
 #include <cmath>
+#include <list>
+#include <mutex>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "fem/array_cache.h"
 #include "fem/processor.h"
@@ -78,8 +82,44 @@ SoftObject soft_object(const PadSensor& sensor, const PadIndenter& indenter) {
   return indenter.young ? SoftObject{sensor.young / *indenter.young, indenter.poisson} : SoftObject{};
 }
 
+double softer_in_shear(const PadSensor& sensor) {
+  if (sensor.layers.empty()) return 1;
+  double sheared = 0;
+  for (const auto& [thickness, young, poisson] : sensor.layers) sheared += thickness * (1 + poisson) / young;
+  return sheared * sensor.young / (sensor.thickness * (1 + sensor.poisson));
+}
+
+Rubber rubber(const PadSensor& sensor) {
+  Rubber all{sensor.poisson};
+  for (const RubberLayer& layer : sensor.layers) {
+    RubberLayer* below = all.layers.empty() ? nullptr : &all.layers.back();
+    const RubberLayer own{layer.thickness / sensor.thickness, layer.young / sensor.young, layer.poisson};
+    if (below != nullptr && below->young == own.young && below->poisson == own.poisson)
+      below->thickness += own.thickness;
+    else
+      all.layers.push_back(own);
+  }
+  if (all.layers.size() == 1) all.layers.clear();
+  return all;
+}
+
+PadLayer pad_layer(const Rubber& rubber) {
+  if (rubber.layers.empty()) return pad_layer(rubber.poisson);
+  constexpr std::size_t most_kept = 8;
+  static std::mutex making;
+  static std::list<std::pair<Rubber, PadLayer>> kept;  // the last used first
+  const std::lock_guard lock(making);
+  const auto found = std::ranges::find(kept, rubber, &std::pair<Rubber, PadLayer>::first);
+  if (found != kept.end())
+    kept.splice(kept.begin(), kept, found);
+  else
+    kept.emplace_front(rubber, PadLayer(rubber.layers));
+  if (kept.size() > most_kept) kept.pop_back();
+  return kept.front().second;
+}
+
 PadLayer pad_layer(const PadScene& scene) {
-  return pad_layer(scene.sensor.poisson).beside(soft_object(scene.sensor, scene.indenter));
+  return pad_layer(rubber(scene.sensor)).beside(soft_object(scene.sensor, scene.indenter));
 }
 
 }  // namespace tactel::fem

@@ -32,8 +32,14 @@ double poisson_point(int k);
 /// Returns the shares of the points at a Poisson's ratio; their sum is 1.
 std::vector<double> poisson_shares(double poisson);
 
-/// Returns a layer of the PadLayers of this process.
+/// Returns how much farther an even traction shears the layers than as much of the uppermost; 1 without layers.
+double softer_in_shear(const PadSensor& sensor);
+/// Returns what tables of a pad depend on; neighbours of one rubber are one layer.
+Rubber rubber(const PadSensor& sensor);
+/// Returns a layer of the PadLayers of this process; layers upon layers are made in a tenth of a second, and the last
+/// few are kept.
 PadLayer pad_layer(double poisson);
+PadLayer pad_layer(const Rubber& rubber);
 
 /// What an indenter is beside the rubber of a pad.
 SoftObject soft_object(const PadSensor& sensor, const PadIndenter& indenter);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "fem/angles.h"
 #include "fem/number_text.h"
@@ -11,6 +12,9 @@
 
 namespace tactel::fem {
 namespace {
+
+constexpr const char *allowed_young = "a Young's modulus in MPa, 1e-9 to 1e12",
+                     *allowed_poisson = "a Poisson's ratio, 0 <= poisson <= 0.5";
 
 void check(bool good, const std::string& key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
@@ -24,12 +28,37 @@ void check_length(const char* member, double value, const char* allowed) {
   check(value >= 1e-6 && value <= 1e6, member, value, allowed);
 }
 
+namespace {
+
+void check_layers(const PadSensor& sensor) {
+  constexpr std::size_t most_layers = 8;
+  constexpr double thinnest = 0.002, largest_ratio = 1e4;
+  const auto& layers = sensor.layers;
+  check(layers.size() <= most_layers, "sensor.layers", static_cast<double>(layers.size()), "8 layers at most");
+  const PadSensor all = with_layers({.layers = layers});
+  const double softest = std::ranges::min(layers, {}, &RubberLayer::young).young;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const auto& [thickness, young, poisson] = layers[k];
+    const std::string place = "sensor.layers[" + std::to_string(k) + "].";
+    check_length((place + "thickness").c_str(), thickness);
+    check(thickness >= thinnest * all.thickness, place + "thickness", thickness, "0.002 of the sum of all or more");
+    check(young >= 1e-9 && young <= 1e12, place + "young", young, allowed_young);
+    check(young <= largest_ratio * softest, place + "young", young, "1e4 times that of the softest layer or less");
+    check(poisson >= 0 && poisson <= 0.5, place + "poisson", poisson, allowed_poisson);
+  }
+  for (const auto& [member, own, given] :
+       {std::tuple{"sensor.thickness", sensor.thickness, all.thickness},
+        std::tuple{"sensor.young", sensor.young, all.young}, std::tuple{"sensor.poisson", sensor.poisson, all.poisson}})
+    check(own == given, member, own, "left out beside sensor.layers");
+}
+
+}  // namespace
+
 void validate(const PadSensor& sensor) {
+  if (!sensor.layers.empty()) check_layers(sensor);
   check_length("sensor.thickness", sensor.thickness);
-  check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young,
-        "a Young's modulus in MPa, 1e-9 to 1e12");
-  check(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson,
-        "a Poisson's ratio, 0 <= poisson <= 0.5");
+  check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young, allowed_young);
+  check(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson, allowed_poisson);
   for (const int count : sensor.tactels)
     check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
   for (const double p : sensor.pitch) check_length("sensor.pitch", p);
@@ -52,6 +81,9 @@ void validate(const PadSensor& sensor) {
           "5 thicknesses or more: a flat layer, which stands for the curved one, is off by a seventh there");
     check(!free, "sensor.curvature_radius", *radius, "left out where sides are free; or sensor.sides = \"held\"");
   }
+  if (free && !sensor.layers.empty())
+    throw ValueError("sensor.layers", std::to_string(sensor.layers.size()) + " layers",
+                     "left out where sides are free; or sensor.sides = \"held\"");
   constexpr double tallest = 4;
   if (free)
     check(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,

@@ -32,24 +32,24 @@ int points_along_tactel(const PadSensor& sensor) {
 }
 
 /// How often the layer's integrals are taken for the base stresses of cells, each from its own parts or from shared
-/// ones.
-double stress_work(const PadScene& scene, const PadCells& cells, bool shared) {
+/// ones. `soft_thickness`: that of the layer.
+double stress_work(const PadScene& scene, const PadCells& cells, bool shared, double soft_thickness) {
   constexpr double points_of_part = 20;  // 16 to 36
   const auto along = [&](double h) {
-    const double side = h / scene.sensor.thickness;
+    const double side = h / scene.sensor.thickness / soft_thickness;
     const int parts = PadLayer::parts(side);
     if (!shared) return cells.n * (parts > 1 ? 5.0 * parts : 1.0);
-    return std::min((cells.n + 4.0) * parts, 2 * PadLayer::range * parts / side);
+    return std::min((cells.n + 4.0) * parts, 2 * PadLayer::range / soft_thickness * parts / side);
   };
   const double tactels = static_cast<double>(scene.sensor.tactels[0]) * scene.sensor.tactels[1];
   return tactels * std::pow(points_along_tactel(scene.sensor), 2) * points_of_part * along(cells.hx) * along(cells.hy);
 }
 
 /// Whether cells share parts: where they have some, and that takes less.
-bool shares_parts(const PadScene& scene, const PadCells& cells) {
-  const double H = scene.sensor.thickness;
+bool shares_parts(const PadScene& scene, const PadCells& cells, double soft_thickness = 1) {
+  const double H = scene.sensor.thickness * soft_thickness;
   return PadLayer::parts(cells.hx / H) * PadLayer::parts(cells.hy / H) > 1 &&
-         stress_work(scene, cells, true) < stress_work(scene, cells, false);
+         stress_work(scene, cells, true, soft_thickness) < stress_work(scene, cells, false, soft_thickness);
 }
 
 /// How much of the last change of the tractions to expect again: the part of the new change of the load along the last
@@ -299,16 +299,34 @@ Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene)
   return compliances;
 }
 
+namespace {
+
+/// How much more layers upon layers give way to waves as long as cells of half a size than their uppermost alone.
+struct Softer {
+  Softer(const PadSensor& sensor, double half_size) {
+    if (sensor.layers.empty()) return;
+    const double a = sensor.thickness / half_size;
+    const LayerTransforms one = layer_transforms(sensor.poisson, a), all = stack_transforms(sensor.layers, a).plane;
+    normal = all.yy / one.yy, tangential = all.xx / one.xx;
+  }
+  double normal = 1, tangential = 1;
+};
+
+}  // namespace
+
 double sliding_limit(const PadScene& scene, double normal, const PadCells& cells) {
+  const Softer softer(scene.sensor, cells.half_size());
   const double nu = scene.sensor.poisson, mu = scene.friction;
   const SoftObject object = soft_object(scene.sensor, scene.indenter);
   if (!by_force(scene)) {
-    const double more = (1 + object.tangential() / ((1 + nu) * (2 - nu))) / (1 + object.normal() / (1 - nu * nu));
+    const double more = (softer.tangential + object.tangential() / ((1 + nu) * (2 - nu))) /
+                        (softer.normal + object.normal() / (1 - nu * nu));
     return mu * normal * (2 - nu) / (2 * (1 - nu)) * more;
   }
   const double G = scene.sensor.young / (2 * (1 + nu)), area = cells.count() * cells.area();
   const double a = std::sqrt(area / std::numbers::pi), of_object = object.tangential() / (4 * a * scene.sensor.young);
-  return 1.5 * mu * normal * of_object + 1.5 * mu * normal / (G * (8 * a / (2 - nu) + area / scene.sensor.thickness));
+  return 1.5 * mu * normal * of_object +
+         1.5 * mu * normal * softer.tangential / (G * (8 * a / (2 - nu) + area / scene.sensor.thickness));
 }
 
 std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions& options, const PadCells& cells) {
@@ -351,7 +369,7 @@ Eigen::MatrixX2d tactel_places(const PadSensor& sensor) {
 }
 
 double base_stress_work(const PadScene& scene, const PadCells& cells) {
-  return stress_work(scene, cells, shares_parts(scene, cells));
+  return stress_work(scene, cells, shares_parts(scene, cells), 1);
 }
 
 namespace {
@@ -394,7 +412,7 @@ Eigen::MatrixXd stress_rows(const PadScene& scene, const PadCells& cells, Add ad
 
 Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
   const double H = scene.sensor.thickness;
-  const bool shared = shares_parts(scene, cells);
+  const bool shared = shares_parts(scene, cells, layer.soft_thickness());
   const int ny = cells.ny(), n = std::max(cells.n, ny);
   return stress_rows(scene, cells, [&](const Eigen::Vector2d& own, double weight, std::vector<PadBaseStress>& sums) {
     std::vector<PadBaseStress> all;

@@ -38,9 +38,13 @@ namespace {
 /// `rubber`: "20 x 2". `model`: with its rung.
 std::string header(const auto& outcome, const std::string& rubber, const std::string& model) {
   const auto& [scene, s] = std::tie(outcome.scene, outcome.scene.sensor);
-  return fmt::format("{}{}{} on {} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n{}, solver {}, {}\n{}\n\n",
+  std::string layers;
+  if constexpr (requires { s.layers; })
+    if (!s.layers.empty()) layers = fmt::format("{} layers, at the surface ", s.layers.size());
+  return fmt::format("{}{}{} on {} mm of rubber, {}E = {:g} MPa, nu = {:g}, mu = {:g}\n{}, solver {}, {}\n{}\n\n",
                      scene.title, scene.title.empty() ? "" : "\n", fem::shape_name(scene.indenter.shape), rubber,
-                     s.young, s.poisson, scene.friction, model, outcome.solver, outcome.precision, outcome.device);
+                     layers, s.young, s.poisson, scene.friction, model, outcome.solver, outcome.precision,
+                     outcome.device);
 }
 
 // ---- of a line

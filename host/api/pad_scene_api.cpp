@@ -50,7 +50,7 @@ double degrees(double from) {
 fem::PadScene to_fem(const PadScene& scene) {
   fem::PadScene made;
   made.title = scene.title;
-  made.sensor = scene.sensor;
+  made.sensor = with_layers(scene.sensor);
   const PadIndenter& indenter = scene.indenter;
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_to_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};

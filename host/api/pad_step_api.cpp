@@ -35,9 +35,9 @@ struct PadStepper::State {
     return function(std::get<host::PadStepper<float>>(steps));
   }
 
-  State(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options)
+  State(const Pad& given, std::size_t count, std::span<const double> friction, const StepOptions& options)
       : executor(host::Device(options.device)),
-        pad(pad),
+        pad(with_layers(given)),
         count(count),
         rubber(fem::rubber_of(pad)),
         free_sides(fem::has_free_sides(pad)) {

@@ -22,6 +22,11 @@ static_assert(int(NodeStatus::stick) == int(fem::GapStatus::stick));
 
 std::vector<double> numbers(const auto& from) { return {from.begin(), from.end()}; }
 
+template <class Value>
+concept OfLaws = requires(Value& value) {
+  host::residuals(value);
+};
+
 // Sets a member of a public step to the value of a step of fem.
 
 void assign(double& to, const std::optional<double>& from) { to = from.value_or(undefined); }
@@ -33,12 +38,8 @@ void assign(std::vector<NodeStatus>& to, const std::vector<fem::GapStatus>& from
 void assign(std::vector<std::array<double, 2>>& to, const Eigen::MatrixX2d& from) {
   for (const auto& row : from.rowwise()) to.push_back({row[0], row[1]});
 }
-template <class To, class From>
-requires std::is_assignable_v<To&, const From&>
-void assign(To& to, const From& from) { to = from; }
-template <class To, class From>
-requires requires(To& to) { host::residuals(to); }
-void assign(To& to, const From& from) {
+void assign(auto& to, const auto& from) { to = from; }
+void assign(OfLaws auto& to, const auto& from) {
   host::each_pair(host::residuals(to), host::residuals(from), [](double& law, double value) { law = value; });
 }
 

@@ -38,13 +38,16 @@ void set_row(std::vector<Number>& list, std::size_t rows, std::size_t from, std:
   list.swap(other);
 }
 
+template <class Value>
+concept Stresses = requires(const Value& value) {
+  value.cols();
+};
+
 /// Numbers of a value of a step in an array: one, two, or one a tactel.
 std::size_t numbers_of(const auto&, std::size_t) { return 1; }
 std::size_t numbers_of(const std::array<double, 2>&, std::size_t) { return 2; }
 std::size_t numbers_of(const Eigen::Vector2d&, std::size_t) { return 2; }
-template <class Stresses>
-requires requires(const Stresses& stresses) { stresses.cols(); }
-std::size_t numbers_of(const Stresses&, std::size_t tactels) { return tactels; }
+std::size_t numbers_of(const Stresses auto&, std::size_t tactels) { return tactels; }
 
 void put_numbers(auto to, const std::optional<double>& value) { *to = value.value_or(nan); }
 void put_numbers(auto to, const auto& value) { *to = value; }

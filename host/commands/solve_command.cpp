@@ -127,6 +127,10 @@ PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) t
   if (request.field.ends_with(".vts") && fem::has_free_sides(scene.sensor))
     throw ConfigError("command line", "--field", request.field,
                       "a .vtu, of cells: the field in the rubber is that of a pad with held sides");
+  if (request.field.ends_with(".vts") && !scene.sensor.layers.empty())
+    throw ConfigError("command line", "--field", request.field,
+                      "a .vtu, of cells: the field in the rubber is that of "
+                      "one layer, without sensor.layers");
   if (request.derivatives)
     throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
   const StageLine stage("solving " + request.scene + first_tables(scene.sensor), request.shared.quiet);

@@ -53,9 +53,12 @@ struct OnCells {
 
 fem::SoftObject object_of(const fem::PadScene& scene) { return fem::soft_object(scene.sensor, scene.indenter); }
 
+/// Whether the twin searches the contact: pad_search.cl knows flat skins of one layer.
+bool searched_by_twin(const fem::PadSensor& sensor) { return sensor.curvature_radius || !sensor.layers.empty(); }
+
 /// What scenes share a table by.
-using TableKey = std::tuple<double, PadCellSize, fem::SoftObject>;
-TableKey table_key(const OnCells& on) { return {on.scene.sensor.poisson, on.size, object_of(on.scene)}; }
+using TableKey = std::tuple<fem::Rubber, PadCellSize, fem::SoftObject>;
+TableKey table_key(const OnCells& on) { return {fem::rubber(on.scene.sensor), on.size, object_of(on.scene)}; }
 
 /// Frame of the cells on the pad.
 double frame_of(const OnCells& of) { return fem::radians(of.cells.frame(of.scene.indenter)); }
@@ -191,20 +194,21 @@ struct PadContact<Real>::State {
     return *program;
   }
 
-  std::shared_ptr<const PadTables> tables(double poisson, bool means = false) {
+  std::shared_ptr<const PadTables> tables(const fem::Rubber& rubber, bool means = false) {
     const std::lock_guard lock(making);
     const bool exact = precision() == Precision::fp64;
     auto& kept = means ? kept_means : kept_tables;
-    if (options.any_poisson && !means) {
+    if (options.any_poisson && !means && rubber.layers.empty()) {
       for (int k = static_cast<int>(points.size()); k < fem::poisson_points; ++k)
-        points.push_back(std::make_shared<const PadTables>(fem::poisson_point(k), options.cells, exact));
-      return std::make_shared<const PadTables>(poisson, points);
+        points.push_back(std::make_shared<const PadTables>(fem::Rubber{fem::poisson_point(k)}, options.cells, exact));
+      return std::make_shared<const PadTables>(rubber.poisson, points);
     }
-    const auto found = std::ranges::find(kept, poisson, [](const auto& of) { return of->poisson(); });
+    const auto found =
+        std::ranges::find(kept, rubber, [](const auto& of) -> const fem::Rubber& { return of->rubber(); });
     if (found != kept.end()) {
       kept.splice(kept.begin(), kept, found);
     } else {
-      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, exact, means));
+      kept.push_front(std::make_shared<const PadTables>(rubber, options.cells, exact, means));
       if (kept.size() > most_poissons) kept.pop_back();
     }
     return kept.front();
@@ -219,8 +223,9 @@ struct PadContact<Real>::State {
   Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes, std::size_t width);
   LaneArray<Real> softs(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> heights(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
-  LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
+  LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes, int stress_rows,
                          std::vector<Real>& stress_tables, std::vector<Real>& shares);
+  int stress_rows(const std::vector<OnCells>& on_cells);
   void take_tactels(Laid& b) const;
   Launch contact_launch(const Laid& b, int vectors, std::size_t first);
   Launch stress_launch(const Laid& b, int vectors);
@@ -247,6 +252,7 @@ struct PadContact<Real>::Laid : LaneState<Real> {
   std::vector<OnCells> on_cells;  ///< [scenes]
   std::size_t stress_groups = 0;
   int tactels = 0, parts = 0;  ///< of the sensor; points of a tactel
+  int stress_rows = 0;
   Buffer<Real> tables, own_tables, stress_tables, shares, points, weights;
   Buffer<std::int32_t> table_of_group;
   LaneArray<Real> heights, places, cell_forces;
@@ -276,7 +282,7 @@ template <class Real>
 void PadContact<Real>::State::lay_on_pad(Scenes& scenes, std::vector<OnCells>& all) {
   const double poisson = scenes.all_.front().scene.sensor.poisson;
   const fem::PadLayer layer = fem::pad_layer(poisson);
-  const std::shared_ptr<const PadTables> means = tables(poisson, true);
+  const std::shared_ptr<const PadTables> means = tables({poisson}, true);
   all.resize(scenes.all_.size());
   side_by_side(all.size(), executor.threads(), [&](std::size_t i) {
     auto& [scene, path, cells] = scenes.all_[i];
@@ -309,10 +315,10 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
     return all;
   }
   std::vector<const fem::PadScene*> searched;
-  std::vector<fem::PadScene*> curved;  // skins, by the twin
+  std::vector<fem::PadScene*> curved;  // skins, and layers upon layers, by the twin
   for (auto& [scene, path, cells] : scenes.all_) {
     if (cells) continue;
-    if (scene.sensor.curvature_radius)
+    if (searched_by_twin(scene.sensor))
       curved.push_back(&scene);
     else
       scene.indenter = fem::aligned(std::move(scene.indenter), scene.sensor), searched.push_back(&scene);
@@ -330,7 +336,7 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   for (auto& [scene, path, cells] : scenes.all_) {
     double depth = 0;
     if (!cells) {
-      const fem::PadSearch& search_found = scene.sensor.curvature_radius ? *next_curved++ : *next++;
+      const fem::PadSearch& search_found = searched_by_twin(scene.sensor) ? *next_curved++ : *next++;
       depth = search_found.depth;
       fem::PadLayout laid = fem::lay_cells(search_found, scene, options.cells, options.ladder);
       scene.indenter = std::move(laid.indenter), cells = laid.cells;
@@ -393,7 +399,8 @@ Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& 
     const auto [entry, is_new] = index.try_emplace(table_key(of), static_cast<std::int32_t>(index.size()));
     table_of_group.push_back(entry->second);
     if (!is_new) continue;
-    const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size, object_of(of.scene));
+    const std::vector<double> table =
+        tables(fem::rubber(of.scene.sensor))->shared_influence(of.size, object_of(of.scene));
     for (const double number : table) numbers.push_back(static_cast<Real>(number));
   }
   return buffer_of(device(), std::move(numbers));
@@ -412,7 +419,7 @@ Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>
     if (lanes.in_lane[lane] == no_scene) continue;
     const OnCells& of = on_cells[lanes.in_lane[lane]];
     const auto table =
-        of.influence ? of.influence : tables(of.scene.sensor.poisson)->influence(of.size, object_of(of.scene));
+        of.influence ? of.influence : tables(fem::rubber(of.scene.sensor))->influence(of.size, object_of(of.scene));
     const std::vector<Real> numbers(table->begin(), table->end());
     array.put(all.view(), lane - first, std::span(numbers));
   }
@@ -470,21 +477,33 @@ Buffer<Real> PadContact<Real>::State::responses(const std::vector<OnCells>& on_c
   return buffer_of(device(), std::move(all));
 }
 
+/// Rows of the base stress that serve all rubbers of a batch.
+template <class Real>
+int PadContact<Real>::State::stress_rows(const std::vector<OnCells>& on_cells) {
+  int rows = PadTables::stress_rows;
+  for (const OnCells& on : on_cells)
+    if (const fem::Rubber rubber = fem::rubber(on.scene.sensor); !rubber.layers.empty())
+      rows = std::max(rows, PadTables::stress_rows_of(*tables(rubber)->layer()));
+  return rows;
+}
+
 /// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios,
 /// `shares` the points of their cells.
 template <class Real>
 LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                                                std::vector<Real>& stress_tables, std::vector<Real>& shares) {
+                                                int stress_rows, std::vector<Real>& stress_tables,
+                                                std::vector<Real>& shares) {
   LaneArray<Real> array(device(), lanes.lanes, 1, 1, PAD_PLACE_ROWS);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
-  std::map<double, std::size_t> rows;
+  std::map<fem::Rubber, std::size_t> rows;
   const bool free = !on_cells.empty() && on_cells.front().sides.kernel;
-  std::map<double, std::pair<std::size_t, std::size_t>> points;  // of a side: first, number
-  const auto points_of = [&](double side) {
-    const auto [at, is_new] = points.try_emplace(side);
+  using Side = std::pair<double, double>;                      // of a cell, and PadLayer::soft_thickness, over H
+  std::map<Side, std::pair<std::size_t, std::size_t>> points;  // first, number
+  const auto points_of = [&](double side, double soft_thickness) {
+    const auto [at, is_new] = points.try_emplace({side, soft_thickness});
     if (!is_new) return at->second;
-    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side);
+    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side / soft_thickness);
     const int uniform = free ? static_cast<int>(std::ceil(side / uniform_part)) : all.size() == 1 ? 1 : 0;
     if (uniform > 0) all.clear();
     for (int k = 0; k < uniform; ++k)  // Gauss's points
@@ -497,11 +516,13 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
   };
   for (const std::size_t i : lanes.order) {
     const auto& [scene, cells, size] = std::tie(on_cells[i].scene, on_cells[i].cells, on_cells[i].size);
-    const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
+    const fem::Rubber rubber = fem::rubber(scene.sensor);
+    const auto [row, is_new] = rows.try_emplace(rubber, rows.size() * static_cast<std::size_t>(stress_rows));
     if (is_new) {
-      for (const double number : tables(scene.sensor.poisson)->stress())
-        stress_tables.push_back(static_cast<Real>(number));
+      for (const double number : tables(rubber)->stress()) stress_tables.push_back(static_cast<Real>(number));
+      stress_tables.resize(rows.size() * static_cast<std::size_t>(stress_rows) * PAD_BLOCK);
     }
+    const double soft_thickness = rubber.layers.empty() ? 1 : tables(rubber)->layer()->soft_thickness();
     const double H = scene.sensor.thickness, yaw = frame_of(on_cells[i]);
     double place[PAD_PLACE_ROWS] = {};
     place[PAD_PLACE_X] = scene.indenter.position[0] / H, place[PAD_PLACE_Y] = scene.indenter.position[1] / H;
@@ -509,8 +530,8 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     place[PAD_PLACE_X_MIDDLE] = cells.x_middle / H, place[PAD_PLACE_Y_MIDDLE] = cells.y_middle / H;
     place[PAD_PLACE_HX] = cells.hx / H, place[PAD_PLACE_HY] = cells.hy / H;
     place[PAD_PLACE_THICKNESS] = 1 / H, place[PAD_PLACE_STRESS] = 1 / (2 * std::numbers::pi * H * H);
-    const auto [first_x, count_x] = points_of(size.hx);
-    const auto [first_y, count_y] = points_of(size.hy);
+    const auto [first_x, count_x] = points_of(size.hx, soft_thickness);
+    const auto [first_y, count_y] = points_of(size.hy, soft_thickness);
     place[PAD_PLACE_SHARES_X] = static_cast<double>(first_x), place[PAD_PLACE_COUNT_X] = static_cast<double>(count_x);
     place[PAD_PLACE_SHARES_Y] = static_cast<double>(first_y), place[PAD_PLACE_COUNT_Y] = static_cast<double>(count_y);
     place[PAD_PLACE_STEPS] = lanes.scenes[i].steps, place[PAD_PLACE_LAYER] = static_cast<double>(row->second);
@@ -569,7 +590,7 @@ template <class Real>
 Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
   return executor.prepare(program(vectors), "pad_base_stress", [&](KernelArguments& kernel) {
     kernel.set("layer", b.stress_tables);
-    kernel.set("layer_rows", std::int32_t(PadTables::stress_rows));
+    kernel.set("layer_rows", std::int32_t(b.stress_rows));
     kernel.set("rows_a_thickness", Real(PadTables::stress_rows_a_thickness));
     kernel.set("places", b.places.numbers);
     kernel.set("shares", b.shares);
@@ -661,9 +682,9 @@ Executor& PadContact<Real>::executor() const {
 }
 
 template <class Real>
-std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(double poisson) const {
-  if (state_->options.any_poisson) return std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson));
-  return state_->tables(poisson)->layer();
+std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(const fem::Rubber& rubber) const {
+  if (state_->options.any_poisson) return std::make_shared<const fem::PadLayer>(fem::pad_layer(rubber));
+  return state_->tables(rubber)->layer();
 }
 
 template <class Real>
@@ -711,7 +732,8 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
   std::vector<Real> stress_tables, shares;
-  b.places = s.places(b.on_cells, b, stress_tables, shares);
+  b.stress_rows = s.stress_rows(b.on_cells);
+  b.places = s.places(b.on_cells, b, b.stress_rows, stress_tables, shares);
   b.stress_tables = buffer_of(s.device(), std::move(stress_tables));
   b.shares = buffer_of(s.device(), std::move(shares));
   s.take_tactels(b);

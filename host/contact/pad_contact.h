@@ -85,8 +85,8 @@ class PadContact {
 
   const fem::PadOptions& options() const;
   Executor& executor() const;
-  /// Returns the layer of a Poisson's ratio.
-  std::shared_ptr<const fem::PadLayer> layer(double poisson) const;
+  /// Returns the layer of a rubber.
+  std::shared_ptr<const fem::PadLayer> layer(const fem::Rubber& rubber) const;
   /// Load steps of a launch, at most: some 130 MB of forces.
   std::size_t most_lane_steps() const;
   /// Returns the same with fewer load steps a launch, for pads whose block is not the same everywhere: each scene has

@@ -59,9 +59,10 @@ std::array<double, PAD_OWN_INFLUENCE> units(double root_zz, double root_tt) {
 }
 
 std::vector<double> stress_table(const fem::PadLayer& layer) {
-  std::vector<double> table(PadTables::stress_rows * std::size_t{PAD_BLOCK});
+  const int rows = PadTables::stress_rows_of(layer);
+  std::vector<double> table(static_cast<std::size_t>(rows) * PAD_BLOCK);
   const double step = 1.0 / PadTables::stress_rows_a_thickness;
-  for (int row = 0; row + 1 < PadTables::stress_rows; ++row) {  // the last row is 0: beyond
+  for (int row = 0; row + 1 < rows; ++row) {  // the last row is 0: beyond
     const Eigen::Array<double, 5, 1> left = layer.stresses(row * step), middle = layer.stresses((row + 0.5) * step),
                                      right = layer.stresses((row + 1) * step);
     for (int f = 0; f < 5; ++f) {
@@ -79,20 +80,24 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
   return {rounded_side(cells.hx, thickness), rounded_side(cells.hy, thickness)};
 }
 
-PadTables::PadTables(double poisson, int cells, bool exact, bool means)
-    : poisson_(poisson),
+int PadTables::stress_rows_of(const fem::PadLayer& layer) {
+  return static_cast<int>(stress_rows * layer.reach() / fem::PadLayer::range);
+}
+
+PadTables::PadTables(const fem::Rubber& rubber, int cells, bool exact, bool means)
+    : rubber_(rubber),
       cells_(cells),
       exact_(exact),
       means_(means),
-      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(rubber))),
       stress_(stress_table(*layer_)) {}
 
 PadTables::PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points)
-    : poisson_(poisson), cells_(points.front()->cells_), exact_(points.front()->exact_), points_(std::move(points)) {}
+    : rubber_{poisson}, cells_(points.front()->cells_), exact_(points.front()->exact_), points_(std::move(points)) {}
 
 std::vector<double> PadTables::stress() const {
   if (points_.empty()) return stress_;
-  const std::vector<double> shares = fem::poisson_shares(poisson_);
+  const std::vector<double> shares = fem::poisson_shares(rubber_.poisson);
   std::vector<double> all(points_.front()->stress_.size());
   for (std::size_t p = 0; p < points_.size(); ++p)
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += shares[p] * points_[p]->stress_[k];
@@ -186,7 +191,7 @@ std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSiz
 
 std::shared_ptr<const std::vector<double>> PadTables::of_layer(const PadCellSize& size) const {
   if (!points_.empty()) {
-    const std::vector<double> shares = fem::poisson_shares(poisson_);
+    const std::vector<double> shares = fem::poisson_shares(rubber_.poisson);
     std::vector<Weighted> tables;
     for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->of_layer(size));
     return std::make_shared<const std::vector<double>>(sum(tables, size));

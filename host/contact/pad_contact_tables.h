@@ -19,20 +19,22 @@ struct PadCellSize {
 };
 PadCellSize cell_size(const fem::PadCells& cells, double thickness);
 
-/// Tables of the pad kernel for one Poisson's ratio. Threads may use them at once.
+/// Tables of the pad kernel for one rubber. Threads may use them at once.
 class PadTables {
  public:
   /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
+  /// The same of a rubber: layers upon layers may carry shear farther.
+  static int stress_rows_of(const fem::PadLayer& layer);
 
   /// `means`: displacements are means over cells (fem/pad/layer_means.h), as free sides need them, not values at their
   /// middles. Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right
   /// to 1e-4 of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
-  PadTables(double poisson, int cells, bool exact, bool means = false);
+  PadTables(const fem::Rubber& rubber, int cells, bool exact, bool means = false);
   /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
   PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);
 
-  double poisson() const { return poisson_; }
+  const fem::Rubber& rubber() const { return rubber_; }
   /// None where a polynomial gives the tables.
   const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
@@ -41,7 +43,7 @@ class PadTables {
                                                        const fem::SoftObject& object = {}) const;
   /// The same as a group shares it: [PAD_TABLE_HEAD], then [2 cells + 1][2 cells + 1][PAD_INFLUENCE].
   std::vector<double> shared_influence(const PadCellSize& size, const fem::SoftObject& object = {}) const;
-  /// [stress_rows][PAD_BLOCK]
+  /// [stress_rows, or stress_rows_of layers upon layers][PAD_BLOCK]
   std::vector<double> stress() const;
 
  private:
@@ -56,7 +58,7 @@ class PadTables {
   using Weighted = std::pair<double, std::shared_ptr<const std::vector<double>>>;
   std::vector<double> sum(const std::vector<Weighted>& tables, const PadCellSize& size) const;
 
-  double poisson_;
+  fem::Rubber rubber_;
   int cells_;
   bool exact_, means_ = false;
   std::vector<std::shared_ptr<const PadTables>> points_;

@@ -277,7 +277,7 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
     return std::vector<Real>(numbers.begin(), numbers.end());
   };
   const int most = std::max(cells.n, cells.ny());
-  const PadTables tables(pad.poisson, most, true);
+  const PadTables tables(fem::rubber(pad), most, true);
   std::vector<double> influence = of_offsets(tables.shared_influence(cell_size(cells, H), object), most, cells);
   root_zz = influence[PAD_ROOT_ZZ], root_tt = influence[PAD_ROOT_TT];
   if (!pairs.empty()) {
@@ -398,7 +398,9 @@ std::vector<Real> PadStepper<Real>::State::head() const {
   const double H = pad.thickness;
   std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson, 0, 0};
   if (sides) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
-  if (object.softness > 0) all.insert(all.end(), {object.softness, object.poisson});
+  const auto layers = fem::rubber(pad).layers;
+  if (object.softness > 0 || !layers.empty()) all.insert(all.end(), {object.softness, object.poisson});
+  for (const auto& [thickness, young, poisson] : layers) all.insert(all.end(), {thickness, young, poisson});
   return {all.begin(), all.end()};
 }
 
@@ -409,8 +411,11 @@ void PadStepper<Real>::State::check_state(std::span<const Real> numbers) const {
   const auto text = [](std::span<const Real> of) {
     std::string words = fmt::format("{} x {} cells of {:.6g} x {:.6g} H, nu {:.6g}", of[0], of[1], of[2], of[3], of[4]);
     if (of[state_length] > 0) words += fmt::format(", sides {:.6g} x {:.6g} H", of[5], of[6]);
-    return of.size() > state_head ? words + fmt::format(", objects {:.6g} times as soft, nu {:.6g}", of[7], of[8])
-                                  : words;
+    if (of.size() > state_head && of[7] > 0)
+      words += fmt::format(", objects {:.6g} times as soft, nu {:.6g}", of[7], of[8]);
+    for (std::size_t k = state_head + 2; k < of.size(); k += 3)
+      words += fmt::format(", layer {:.6g} H, {:.6g} E, nu {:.6g}", of[k], of[k + 1], of[k + 2]);
+    return words;
   };
   if (numbers.size() < own.size() || !std::ranges::equal(own, numbers.first(own.size())))
     throw ValueError("state",

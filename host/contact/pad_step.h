@@ -18,7 +18,8 @@ namespace tactel::host {
 /// rubber, with its sides where they are free.
 using PairInfluence = std::vector<double>;
 
-/// What the state of a contact begins with: lengths over H. With a soft object its softness and Poisson's ratio follow.
+/// What the state of a contact begins with: lengths over H. With a soft object its softness and Poisson's ratio follow,
+/// and with layers (0, 0 where there is no soft object) those of fem::Rubber, three numbers each.
 enum PadStateHead {
   state_cells_x,
   state_cells_y,

@@ -127,9 +127,10 @@ SplitBlocks split_blocks(const std::vector<double>& table, bool pairs, int nx, i
     const Eigen::MatrixXd inverse = (B + Eigen::MatrixXd(rho.asDiagonal())).inverse();
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < rows; ++column) {
-        const int at = ((k * rounds + row / STEP_ROUND) * rows + column) * STEP_ROUND + row % STEP_ROUND;
+        const int at = ((k * rounds + row / STEP_ROUND) * rows + column) * STEP_ROUND + row % STEP_ROUND,
+                  behind = numbers + at;
         made.numbers[static_cast<std::size_t>(at)] = B(row, column);
-        made.numbers[static_cast<std::size_t>(numbers + at)] = inverse(row, column);
+        made.numbers[static_cast<std::size_t>(behind)] = inverse(row, column);
       }
   }
   return made;

@@ -42,8 +42,8 @@ class OnPads final : public SensorSolver<PadContacts> {
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
   const bool own_layer = fem::has_free_sides(scene.sensor) || scene.indenter.young;
-  const auto layer =
-      own_layer ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene)) : contact.layer(scene.sensor.poisson);
+  const auto layer = own_layer ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene))
+                               : contact.layer(fem::rubber(scene.sensor));
   fem::PadOptions exact = contact.options();
   exact.tolerance = std::min(exact_tolerance, exact.tolerance);
   exact.most_sweeps = fem::PadOptions{}.most_sweeps, exact.most_growths = fem::PadOptions{}.most_growths;
@@ -98,7 +98,7 @@ std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::
         if (fem::has_free_sides(sensor))
           fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual, StopScope::checker());
         else
-          contact.layer(sensor.poisson);
+          contact.layer(fem::rubber(sensor));
         const bool is_long = fem::has_free_sides(sensor) &&
                              std::max(*sensor.length, *sensor.width) > fem::longest_block * sensor.thickness;
         return std::make_shared<OnPads<Real>>(is_long ? contact.for_long_pads() : contact);

@@ -138,15 +138,16 @@ class PadBuilder {
 
   std::string caption() const {
     return fmt::format(
-        "A {} pressed on {} mm of rubber (E = {} MPa, ν = {}, µ = {}), seen from above: x to the right, y up. First "
+        "A {} pressed on {} mm of rubber ({}E = {} MPa, ν = {}, µ = {}), seen from above: x to the right, y up. First "
         "map: "
         "the {} x {} cells of the surface with the tractions of the indenter on the rubber; the green line surrounds "
         "the cells that stick. Second map: the pad with its tactels, σ_z at the base as colour (σ_z < 0 is "
         "compression){}, and the outline of the contact. Dashed: the part of the indenter below the undeformed "
         "surface. x′ and y′ are its own axes; the cuts run along them. Colours and arrows have one scale for all "
         "steps. M is about the indenter's axis. {}",
-        fem::shape_name(scene_.indenter.shape), scene_.sensor.thickness, scene_.sensor.young, scene_.sensor.poisson,
-        scene_.friction, solution_.cells.n, solution_.cells.n,
+        fem::shape_name(scene_.indenter.shape), scene_.sensor.thickness,
+        scene_.sensor.layers.empty() ? "" : fmt::format("{} layers, at the surface ", scene_.sensor.layers.size()),
+        scene_.sensor.young, scene_.sensor.poisson, scene_.friction, solution_.cells.n, solution_.cells.n,
         scene_.sensor.axes == 3 ? ", arrows are the shear stress τ" : "",
         steps_left_out(steps_.size(), solution_.steps.size()));
   }

@@ -11,13 +11,24 @@ namespace {
 
 const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
 
+void read_layers(TomlTable& in, fem::PadSensor& sensor) {
+  for (TomlTable& of : in.read_tables("layers",
+                                      "tables [[sensor.layers]] of thickness, young "
+                                      "and poisson, base first"))
+    read_numbers(of, sensor.layers.emplace_back(), true), of.finish();
+  if (sensor.layers.empty()) return;
+  in.refuse_any({"thickness", "young", "poisson"}, "left out beside sensor.layers");
+  sensor = with_layers(std::move(sensor));
+}
+
 void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   TomlTable in(file, "sensor");
   in.refuse_any({"model", "columns", "rows", "grading", "element", "stress", "tactel_span", "tactel_width"},
                 left_out_of_a_pad);
   in.read_choice("kind", sensor_kinds);
-  const bool thick = in.has("thickness"), sides = in.has("sides");
+  const bool thick = in.has("thickness") || in.has("layers"), sides = in.has("sides");
   read_numbers(in, sensor, false);
+  read_layers(in, sensor);
   if (sides && sensor.sides == fem::Sides::free && !fem::has_free_sides(sensor))
     in.refuse("sides", "\"held\", or given with sensor.length and sensor.width, between which sides are free");
   in.finish();

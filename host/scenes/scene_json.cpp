@@ -65,6 +65,9 @@ SceneJson sensor_json(const fem::Scene& scene) {
 SceneJson sensor_json(const fem::PadScene& scene) {
   SceneJson out = {{"kind", "pad"}};
   add_numbers(out, scene.sensor);
+  for (const RubberLayer& layer : scene.sensor.layers) add_numbers(out["layers"].emplace_back(), layer);
+  if (out.contains("layers"))
+    for (const char* key : {"thickness", "young", "poisson"}) out.erase(key);
   if (!scene.sensor.length || !scene.sensor.width) out.erase("sides");  // not known
   return out;
 }

@@ -14,14 +14,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A number, text or array; the texts of JSON are those of TOML.
+/// A number, text, array or inline table; the texts of JSON are those of TOML.
 std::string value_text(const Json& value) {
   if (value.is_number_float()) {
     const std::string text = fmt::format("{}", value.get<double>());
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
   }
-  if (!value.is_array()) return value.dump();
   std::string text;
+  if (value.is_object()) {
+    for (const auto& [key, one] : value.items())
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, value_text(one));
+    return "{ " + text + " }";
+  }
+  if (!value.is_array()) return value.dump();
   for (const Json& one : value) text += (text.empty() ? "" : ", ") + value_text(one);
   return "[" + text + "]";
 }

@@ -46,6 +46,9 @@ bool is_random_profile(const string& name, const toml::table& table) {
   return of_lines<Scene> && name == "indenter" && table.contains("points");
 }
 
+/// Layers of a sensor are not drawn.
+bool has_plain_tables(const string& name, std::string_view key) { return name == "sensor" && key == "layers"; }
+
 /// Calls f(array, i, index) for the tables of an array, and of those in it: `index` counts through them.
 template <class Array, class F>
 void each_table(Array& array, const F& f) {
@@ -71,6 +74,8 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
     toml::node& node = *table.get(key);
     if (own_key<Scene>(name, key) || (random && (key == "half_width" || key == "height"))) {
       table.erase(key);
+    } else if (has_plain_tables(name, key)) {
+      continue;
     } else if (node.is_table()) {
       table.insert_or_assign(key, number(key, node));
     } else if (toml::array* array = node.as_array()) {
@@ -159,6 +164,7 @@ auto SweepReaderOf<Scene>::distributions(const string& name, const toml::table& 
   for (const auto& [key, node] : table) {
     const string full = name + "." + string(key.str());
     if (own_key<Scene>(name, key.str()) || (random && (key == "half_width" || key == "height"))) continue;
+    if (has_plain_tables(name, key.str())) continue;
     add(full, -1, node);
     if (const toml::array* array = node.as_array())
       each_table(*array, [&](const toml::array& of, std::size_t i, int index) { add(full, index, of[i]); });

@@ -181,6 +181,17 @@ const toml::node* TomlTable::find(const std::string& key) {
   return table_ != nullptr ? table_->get(key) : nullptr;
 }
 
+std::vector<TomlTable> TomlTable::read_tables(const std::string& key, const std::string& what) {
+  std::vector<TomlTable> all;
+  const toml::node* node = find(key);
+  if (node == nullptr) return all;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->empty() || !array->is_homogeneous<toml::table>()) refuse(key, what);
+  for (const toml::node& entry : *array)
+    all.push_back({file_, full(key) + "[" + std::to_string(all.size()) + "]", entry.as_table()});
+  return all;
+}
+
 void TomlTable::refuse(const std::string& key, const std::string& allowed) const {
   throw file_.error(full(key), table_ != nullptr ? table_->get(key) : nullptr, allowed);
 }

@@ -80,6 +80,8 @@ class TomlTable {
   bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
   /// Reads one word of `words` and returns its index.
   std::optional<std::size_t> read_choice(const std::string& key, const std::vector<std::string>& words);
+  /// Returns the tables of an array; none where the key is absent.
+  std::vector<TomlTable> read_tables(const std::string& key, const std::string& what);
   /// Marks an inner table as known; it is read by a TomlTable of its own.
   void expect_table(const std::string& key);
 
@@ -99,6 +101,8 @@ class TomlTable {
   void finish() const;
 
  private:
+  TomlTable(const TomlFile& file, const std::string& name, const toml::table* table)
+      : file_(file), name_(name), table_(table) {}
   const toml::node* find(const std::string& key);
   std::string full(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
   double number(const toml::node& node, const std::string& key, const std::string& what) const;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_surface.h"
 
 namespace tactel::host {
@@ -33,7 +34,8 @@ HeldContact::HeldContact(const fem::PadScene& scene, const Hold& hold, const fem
 /// The shear of the layer that bears mu times the mean pressure, mm.
 double HeldContact::limit(const HeldStep& step) const {
   if (!(step.area > 0)) return 0;
-  return friction_ * step.force[0] / step.area * sensor_.thickness * 2 * (1 + sensor_.poisson) / sensor_.young;
+  return friction_ * step.force[0] / step.area * sensor_.thickness * 2 * (1 + sensor_.poisson) / sensor_.young *
+         fem::softer_in_shear(sensor_);
 }
 
 double HeldContact::force(std::size_t k) const {
@@ -43,7 +45,8 @@ double HeldContact::force(std::size_t k) const {
 /// N/mm along the pad of a contact that sticks.
 double HeldContact::shear_stiffness(const HeldStep& step) const {
   const double radius = std::sqrt(step.area / std::numbers::pi), G = sensor_.young / (2 * (1 + sensor_.poisson));
-  return stiffness_ * G * step.area / sensor_.thickness * (1 + surrounding * sensor_.thickness / radius);
+  return stiffness_ * G * step.area / sensor_.thickness * (1 + surrounding * sensor_.thickness / radius) /
+         fem::softer_in_shear(sensor_);
 }
 
 /// x, y (mm) and turn (rad) of a frame.

@@ -10,6 +10,7 @@
 
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
+#include "fem/pad/pad_layers.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
@@ -301,7 +302,8 @@ class Slide {
   void take(Step& step, const PathContact& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
-    const double limit = contact.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young;
+    const double limit = contact.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young *
+                         fem::softer_in_shear(contact.sensor);
     step.slid = whole_.add(step.slid, limit), step.slip_path = cells_.add(step.slip_path, limit);
   }
 

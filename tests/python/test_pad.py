@@ -52,6 +52,29 @@ class Values(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, "indenter.young"):
             SPHERE.with_(indenter=SPHERE.indenter.with_(young=-1.0)).validate()
 
+    def test_layers(self):
+        layers = [tactel.RubberLayer(1.8, 0.7, 0.48), tactel.RubberLayer(0.2, 7.0)]
+        pad = tactel.Pad(tactels=(3, 2), pitch=(1.0, 1.5), layers=layers)
+        self.assertEqual((pad.thickness, pad.young, pad.poisson), (2.0, 7.0, 0.45))
+        scene = tactel.Scene(pad, SPHERE.indenter, 0.5, tactel.PadLoad(normal_force=1.0, tangential=[[0.05, 0]]))
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+        self.assertEqual(eval(repr(pad), {"tactel": tactel, **vars(tactel)}), pad)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "layers.toml"
+            file.write_text(scene.toml())
+            self.assertEqual(tactel.read_scene(file), scene)
+        one = scene.with_(sensor=tactel.Pad(tactels=(3, 2), pitch=(1.0, 1.5), thickness=2.0, young=0.7, poisson=0.48))
+        covered, bare = (tactel.solve(s, precision="fp64") for s in (scene, one))
+        self.assertLess(abs(covered.frame(-1)).max(), abs(bare.frame(-1)).max())
+        with self.assertRaisesRegex(tactel.InputError, "sensor.thickness.*left out beside sensor.layers"):
+            scene.with_(sensor=tactel.Pad(thickness=3.0, layers=layers)).validate()
+        with self.assertRaisesRegex(tactel.InputError, "sides are free"):
+            scene.with_(sensor=pad.with_(length=20.0, width=20.0)).validate()
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25)
+        steps.shapes(tactel.Sphere(8.0))
+        pressed = tactel.solve(scene.with_(load=tactel.Press(0.2)), precision="fp64").P[-1]
+        self.assertAlmostEqual(steps.move([[0.2, 0, 0, 0]]).force[0, 0] / pressed, 1, delta=0.03)
+
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""
         scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))

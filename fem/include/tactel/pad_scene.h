@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <compare>
 #include <optional>
 #include <variant>
+#include <vector>
 
 // Parts of scenes of a pad (docs/pads.md), which the mechanics compute with as they are: lengths in mm, stresses in
 // MPa, angles in degrees. Every number has the name, unit and default of its key.
@@ -12,20 +14,42 @@ namespace tactel {
 /// Sides of a pad whose length and width are given: `free` of stress, or `held`, as if the rubber went on without end.
 enum class Sides { free, held };
 
+/// One of the layers that a rubber is made of, bonded to those below and above.
+struct RubberLayer {
+  double thickness = 1.0;  ///< mm
+  double young = 2.0;      ///< MPa
+  double poisson = 0.45;   ///< 0 <= poisson <= 0.5
+  auto operator<=>(const RubberLayer&) const = default;
+};
+
 /// The rubber and its tactels.
 struct Pad {
   std::array<int, 2> tactels{4, 4};          ///< along x and y
   std::array<double, 2> pitch{4.7, 4.7};     ///< mm, from tactel to tactel; the array is centred
   double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
   int axes = 3;                              ///< 3, or 1: tactels that measure the normal stress alone
-  double thickness = 2.0;                    ///< mm
-  double young = 2.0;                        ///< MPa
-  double poisson = 0.45;                     ///< 0 <= poisson <= 0.5
+  double thickness = 2.0;                    ///< mm; with layers their sum
+  double young = 2.0;                        ///< MPa; with layers that of the uppermost
+  double poisson = 0.45;                     ///< 0 <= poisson <= 0.5; with layers that of the uppermost
   std::optional<double> length{}, width{};   ///< mm: the rubber along x and y; none: not known
   Sides sides = Sides::free;                 ///< where length and width are given; else they are held
   std::optional<double> curvature_radius{};  ///< mm, of the skin, which stands out in its middle; none: flat
+  std::vector<RubberLayer> layers{};         ///< from the base up, at most 8; none: one, of the numbers above
   bool operator==(const Pad&) const = default;
 };
+
+/// Returns a pad whose thickness, young and poisson are those of its layers where they were left out, as files and
+/// Python make it.
+inline Pad with_layers(Pad pad) {
+  if (pad.layers.empty()) return pad;
+  double thickness = 0;
+  for (const RubberLayer& layer : pad.layers) thickness += layer.thickness;
+  const auto fill = [](double& own, double usual, double given) { own = own == usual ? given : own; };
+  fill(pad.thickness, Pad().thickness, thickness);
+  fill(pad.young, Pad().young, pad.layers.back().young);
+  fill(pad.poisson, Pad().poisson, pad.layers.back().poisson);
+  return pad;
+}
 
 // Shapes of an indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
 

@@ -122,6 +122,8 @@ class _Fit:
             shape = np.shape(press.readings)
             if is_pad(press.scene) != self.pad:
                 raise input_error(f"{press.name}: scene", "its sensor is of another kind", f"must be that of {presses[0].name}")
+            if self.pad and press.scene.sensor.layers:
+                raise input_error(f"{press.name}: scene", "its sensor has layers", "must be of one layer: a calibration finds its thickness, E and nu")
             if len(shape) != 2 or shape[1] != len(self.of) or (press.P is not None and np.shape(press.P) != shape[:1]):
                 raise input_error(f"{press.name}: readings", f"an array of {shape}", f"must have a row for each load step, and {len(self.of)} columns")
         # Free sides of a pad would take a kernel for each Poisson's ratio and thickness.

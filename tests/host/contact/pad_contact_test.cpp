@@ -222,8 +222,7 @@ std::vector<fem::PadScene> soft_mix(std::size_t count, unsigned seed) {
 }
 
 template <class Real>
-void expect_soft_twins(const fem::PadOptions& options, double near) {
-  const auto scenes = soft_mix(36, 8);
+void expect_twins(const std::vector<fem::PadScene>& scenes, const fem::PadOptions& options, double near) {
   const auto batch = ran(PadContact<Real>(executor(), options), scenes);
   fem::PadOptions exact = options;
   exact.tolerance = std::min(1e-7, options.tolerance);
@@ -243,13 +242,37 @@ void expect_soft_twins(const fem::PadOptions& options, double near) {
 }
 
 TEST(PadContactSoft, AgreesWithItsTwin) {
-  expect_soft_twins<double>({.cells = 8, .tolerance = 1e-8}, 1e-8);
-  expect_soft_twins<double>({.cells = 8, .tolerance = 1e-8, .any_poisson = true}, 1e-6);
-  expect_soft_twins<float>({.cells = 12}, 1e-3);
+  expect_twins<double>(soft_mix(36, 8), {.cells = 8, .tolerance = 1e-8}, 1e-8);
+  expect_twins<double>(soft_mix(36, 8), {.cells = 8, .tolerance = 1e-8, .any_poisson = true}, 1e-6);
+  expect_twins<float>(soft_mix(36, 8), {.cells = 12}, 1e-3);
+}
+
+/// Half of the scenes on layers of three kinds, one of a cover that carries shear far.
+std::vector<fem::PadScene> layered_mix(std::size_t count, unsigned seed) {
+  const std::vector<RubberLayer> kinds[] = {{{1.5, 0.4, 0.3}, {0.5, 2, 0.48}},
+                                            {{1.85, 1, 0.48}, {0.15, 10, 0.48}},
+                                            {{0.05, 1, 0.49}, {1.9, 1, 0.45}, {0.05, 900, 0.4}}};
+  std::vector<fem::PadScene> scenes = soft_mix(count, seed);
+  for (std::size_t i = 0; i < count; i += 2) {
+    fem::PadSensor& sensor = scenes[i].sensor;
+    const double scale = sensor.thickness / 2;
+    sensor.layers = kinds[i / 2 % 3];
+    for (RubberLayer& layer : sensor.layers) layer.thickness *= scale;
+    const fem::PadSensor own = with_layers({.layers = sensor.layers});
+    sensor.thickness = own.thickness, sensor.young = own.young, sensor.poisson = own.poisson;
+  }
+  return scenes;
+}
+
+TEST(PadContactLayered, AgreesWithItsTwin) {
+  expect_twins<double>(layered_mix(24, 8), {.cells = 8, .tolerance = 1e-8}, 1e-8);
+  expect_twins<float>(layered_mix(24, 10), {.cells = 12}, 1e-3);
 }
 
 TEST(PadContactSoft, SameBitsInAnyOrderBatchAndThreads) {
-  const auto scenes = soft_mix(50, 9);
+  std::vector<fem::PadScene> scenes = soft_mix(50, 9);
+  const auto layered = layered_mix(12, 3);
+  scenes.insert(scenes.begin() + 7, layered.begin(), layered.end());
   Executor single{Device(), {.threads = 1}};
   const auto batch = ran(PadContact<float>(executor(), {.cells = 8}), scenes);
   std::vector<fem::PadScene> backwards(scenes.rbegin(), scenes.rend());

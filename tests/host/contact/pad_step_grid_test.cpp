@@ -93,6 +93,41 @@ TEST(PadStepGrid, SoftObjectsAgreeWithTheTwin) {
   EXPECT_THROW(steps.set_state(others.state()), ValueError);
 }
 
+TEST(PadStepGrid, LayersAgreeWithTheTwin) {
+  fem::PadSensor covered{.tactels = rubber.tactels, .pitch = rubber.pitch};
+  covered.layers = {{1.8, 1, 0.48}, {0.2, 10, 0.45}};
+  covered = with_layers(covered);
+  PadStepper<double> steps(executor(), covered, 1, std::array{0.5}, oblong);
+  const fem::PadCells& cells = steps.cells();
+  fem::SteppedContact twin(fem::pad_layer(fem::rubber(covered)), covered, cells, 0.5,
+                           {.cells = 6, .tolerance = 1e-8, .accept = 1e-6});
+  const fem::PadSurface surface = fem::pad_surface(cells, {.shape = fem::Sphere{2}}, {0.1, -0.05}, 0);
+  steps.set_surface(0, surface), steps.set_axes(std::array{0.1, -0.05});
+  twin.set_surface(surface, {0.1, -0.05});
+  for (int k = 1; k <= 4; ++k) {
+    const double depth = std::min(0.05 * k, 0.1), x = 0.02 * std::max(k - 2, 0);
+    steps.move(Pose{depth, x, 0, 0});
+    const fem::SteppedState state = twin.move(depth, {x, 0, 0});
+    for (int row = 0; row < 4; ++row)
+      EXPECT_NEAR(number(steps, 0, STEP_RESULT_P + row), state.force[row], 1e-5 * state.force[0]);
+  }
+  const Eigen::MatrixXd base =
+      fem::base_stress_of_cells(fem::pad_layer(fem::rubber(covered)), {.sensor = covered}, cells);
+  const std::vector<double> tractions = steps.tractions();
+  const Eigen::VectorXd expected = base * Eigen::Map<const Eigen::VectorXd>(tractions.data(), 3 * cells.count());
+  for (Eigen::Index r = 0; r < expected.size(); ++r)
+    EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
+  const std::vector<double> state = steps.state();
+  PadStepper<double> others(executor(), rubber, 1, std::array{0.5}, oblong);
+  EXPECT_EQ(state.size(), others.state_rows() + 2 + 6);
+  EXPECT_THROW(others.set_state(state), ValueError);
+  EXPECT_NO_THROW(steps.set_state(state));
+  fem::PadSensor harder = covered;
+  harder.layers[0].young = 2;
+  PadStepper<double> harder_steps(executor(), harder, 1, std::array{0.5}, oblong);
+  EXPECT_THROW(harder_steps.set_state(state), ValueError);
+}
+
 /// A quarter turn of pad, grid, object and way turns forces and frames.
 TEST(PadStepGrid, TurnsWithItsPad) {
   const fem::PadSensor turned{.tactels = {3, 4}, .pitch = {1.2, 1.5}, .thickness = 2, .young = 1, .poisson = 0.48};

@@ -104,6 +104,13 @@ TEST(PadFile, WhatIsLeftOutTakesItsDefault) {
       read_text(pad_text("shape = \"cone\"\nangle = 80", "indentation = 0.1", "thickness = 2\ncurvature_radius = 15"))
           .sensor.curvature_radius,
       15);
+  const fem::PadSensor layered = read_text(pad_text("shape = \"cone\"\nangle = 80", "indentation = 0.1",
+                                                    "[[sensor.layers]]\nthickness = 3\nyoung = "
+                                                    "1\n[[sensor.layers]]\nthickness = 0.5\nyoung = 10\n"
+                                                    "poisson = 0.4"))
+                                     .sensor;
+  EXPECT_EQ(layered.layers, (std::vector<RubberLayer>{{3, 1, 0.45}, {0.5, 10, 0.4}}));
+  EXPECT_EQ(std::tuple(layered.thickness, layered.young, layered.poisson), std::tuple(3.5, 10.0, 0.4));
   EXPECT_EQ(scene.friction, 0.5);
   EXPECT_EQ(scene.indenter.position, (std::array{0.0, 0.0}));
   EXPECT_TRUE(scene.load.drags.empty());
@@ -245,6 +252,16 @@ TEST(PadFile, SaysWhatIsWrong) {
       {"thickness = 2\ncurvature_radius = nan", "", "", ":4: sensor.curvature_radius = nan: must be finite"},
       {"thickness = 2\ncurvature_radius = 20\nlength = 20\nwidth = 20", "", "",
        ":4: sensor.curvature_radius = 20: must be left out where sides are free; or sensor.sides = \"held\""},
+      {"thickness = 2\n[[sensor.layers]]\nthickness = 1\nyoung = 1", "", "",
+       ":3: sensor.thickness = 2: must be left out beside sensor.layers"},
+      {"[[sensor.layers]]\nthickness = 1", "", "", ": sensor.layers[0].young = (missing)"},
+      {"[[sensor.layers]]\nthickness = 1\nyoung = 1\ndepth = 1", "", "", ":6: sensor.layers[0].depth = 1"},
+      {"[[sensor.layers]]\nthickness = 1\nyoung = 1\npoisson = 0.6", "", "",
+       ":6: sensor.layers[0].poisson = 0.6: must be a Poisson's ratio"},
+      {"layers = 3", "", "", ":3: sensor.layers = 3: must be tables [[sensor.layers]]"},
+      {"layers = []", "", "", ":3: sensor.layers = []: must be tables [[sensor.layers]]"},
+      {"length = 20\nwidth = 20\n[[sensor.layers]]\nthickness = 1\nyoung = 1", "", "",
+       "must be left out where sides are free"},
       {"", "", "tangential_steps = 3", ": load.indentation = (missing)"},
       {"", "", "indentation = []", ":8: load.indentation = []"},
       {"", "", "indentation = -1", ":8: load.indentation = -1"},

@@ -141,6 +141,27 @@ TEST(PadSource, DrawsSoftObjects) {
               HasSubstr("sensor.curvature_radius"));
 }
 
+TEST(PadSource, SensorsMayHaveLayers) {
+  const std::string layers =
+                        "[[sensor.layers]]\nthickness = 1.8\nyoung = "
+                        "1\n[[sensor.layers]]\nthickness = 0.2\n",
+                    of_pads = "kind = \"pad\"\n";
+  const PadSource one = pads(head + "[sensor]\n" + of_pads + layers + "young = 10\n" + sphere + press);
+  EXPECT_EQ(one.contact(3).scene.sensor.layers, (std::vector<RubberLayer>{{1.8, 1, 0.45}, {0.2, 10, 0.45}}));
+  EXPECT_EQ(one.contact(3).scene.sensor.thickness, 2);
+  const PadSource two = pads(head + "[[sensor]]\n" + of_pads + layers + "young = 10\n[[sensor]]\n" + of_pads +
+                             "thickness = 2\n" + sphere + press);
+  std::set<std::size_t> counts;
+  for (std::uint64_t k = 0; k < 50; ++k) counts.insert(two.contact(k).scene.sensor.layers.size());
+  EXPECT_EQ(counts, (std::set<std::size_t>{0, 2}));
+  EXPECT_THAT(message_of<PadSource>(head + "[sensor]\n" + of_pads + layers + "young = { uniform = [1, 10] }\n" +
+                                    sphere + press),
+              HasSubstr("sensor.layers[1].young"));
+  EXPECT_THAT(message_of<PadSource>(head + "[sensor]\n" + of_pads + "poisson = { uniform = [0.3, 0.4] }\n" + layers +
+                                    "young = 10\n" + sphere + press),
+              HasSubstr("left out beside sensor.layers"));
+}
+
 TEST(PadSource, EqualStepsAreMultiplesOfOneNumber) {
   const PadSource sweep = pads(head + sensor + sphere +
                                "[load]\nindentation = 0.2\ntangential_step = [{ uniform = [0.01, 0.02] }, 0]\n"
