@@ -10,7 +10,7 @@ namespace tactel::host {
 
 /// What an option takes, beside what its type says.
 struct Taken {
-  std::array<const char*, 5> words{};  ///< one of these; null: no more
+  std::array<const char*, 7> words{};  ///< one of these; null: no more
   const char* type = nullptr;          ///< its name in the help
   bool positive = false;               ///< above 0
   double least = 0, most = 0;          ///< of a range; both 0: none

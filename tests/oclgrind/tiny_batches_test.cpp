@@ -259,7 +259,7 @@ TEST_P(TinyBatches, PadContact) {
   scenes.resize(2);
   for (const int vectors : {1, 2}) {
     const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3, .vectors = vectors});
-    const fem::PadSolver twin(*contact.layer(scenes.front().sensor.poisson), {.cells = 8});
+    const fem::PadSolver twin(*contact.layer({scenes.front().sensor.poisson}), {.cells = 8});
     std::vector<fem::PadScene> many(10 * static_cast<std::size_t>(lanes_fp32) * vectors / 16 + 1, scenes.front());
     many.push_back(scenes.back());
     auto batch = contact.prepare(many);
@@ -279,7 +279,7 @@ TEST_P(TinyBatches, PadContactWithFreeSides) {
   scene.sensor.length = 8, scene.sensor.width = 7;
   scene.indenter.position = {3, 1};
   const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3});
-  const fem::PadSolver twin(*contact.layer(scene.sensor.poisson), {.cells = 8});
+  const fem::PadSolver twin(*contact.layer({scene.sensor.poisson}), {.cells = 8});
   auto batch = contact.prepare({&scene, 1});
   batch.run();
   const fem::PadStep found = batch.solution(0).steps.back(),

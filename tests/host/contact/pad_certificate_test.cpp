@@ -97,7 +97,7 @@ TEST(PadCertificate, IsThatOfTheForcesInFp64) {
   double largest = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const fem::PadSolution solution = batch.solution(i);
-    Audit audit(batch.scene(i), *contact.layer(sensor.poisson), solution);
+    Audit audit(batch.scene(i), *contact.layer({sensor.poisson}), solution);
     for (std::size_t k = 0; k < solution.steps.size(); ++k) {
       const fem::PadResidual found = audit.next(), said = solution.steps[k].residual;
       // Rounding of the kernel's sums and of a history of ten steps, over depths and motions.

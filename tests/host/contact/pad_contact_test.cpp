@@ -90,7 +90,7 @@ Difference from_twin(int cells, const fem::PadSensor& sensor, std::size_t count,
   const auto batch = ran(contact, scenes);
   fem::PadOptions options;
   options.cells = cells, options.tolerance = twin_tolerance;
-  const fem::PadSolver twin(*contact.layer(sensor.poisson), options);
+  const fem::PadSolver twin(*contact.layer({sensor.poisson}), options);
   Difference d;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
@@ -296,7 +296,7 @@ TEST(PadContact, ReachesGivenForcesAsItsTwin) {
   const auto batch = ran(contact, scenes);
   fem::PadOptions options;
   options.cells = 8, options.tolerance = 1e-6;
-  const fem::PadSolver twin(*contact.layer(sensor.poisson), options);
+  const fem::PadSolver twin(*contact.layer({sensor.poisson}), options);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (i % 2 == 1) {
       EXPECT_EQ(batch.result(i, 3, RESULT_P), by_depth.result(i, 3, RESULT_P)) << i;
@@ -330,7 +330,7 @@ void expect_twists_by_force(double tolerance) {
   const auto batch = ran(contact, scenes);
   fem::PadOptions options;
   options.cells = 8, options.tolerance = tolerance / 100;
-  const fem::PadSolver twin(*contact.layer(0.48), options);
+  const fem::PadSolver twin(*contact.layer({0.48}), options);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
     for (std::size_t k = 0; k < b.steps.size(); ++k) {
@@ -404,9 +404,9 @@ TEST(PadContact, TactelsTakeTheMeanOverTheirSquare) {
   scene.load.drags = {{0.05, 0.02, 0}};
   const PadContact<float> contact(executor(), {.cells = 12});
   const auto batch = ran(contact, std::span(&scene, 1));
-  const fem::PadStep step = batch.solution(0).steps.back(), twin = fem::PadSolver(*contact.layer(scene.sensor.poisson))
-                                                                       .solve_on(batch.cells(0), scene)
-                                                                       .steps.back();
+  const fem::PadStep
+      step = batch.solution(0).steps.back(),
+      twin = fem::PadSolver(*contact.layer({scene.sensor.poisson})).solve_on(batch.cells(0), scene).steps.back();
   EXPECT_LE((step.stress - twin.stress).cwiseAbs().maxCoeff(), 2e-3 * twin.stress.cwiseAbs().maxCoeff());
 }
 
@@ -415,7 +415,7 @@ TEST(PadContact, TactelsTakeTheMeanOverTheirSquare) {
 TEST(PadTables, InfluenceBetweenTheRungsOfTheLadder) {
   constexpr int cells = 8;
   for (const double poisson : {0.3, 0.5}) {
-    const PadTables between(poisson, cells, false), exact(poisson, cells, true);
+    const PadTables between({poisson}, cells, false), exact({poisson}, cells, true);
     for (const auto& [hx, hy] : {std::pair{0.03, 0.05},
                                  {0.125, 0.3},
                                  {0.31, 0.31},
