@@ -60,7 +60,7 @@ void pads(benchmark::State& state, int cells, int threads, bool end_to_end) {
   for (fem::PadScene& scene : scenes) scene = mix();
   Batch batch = contact.prepare(scenes);
   batch.run();
-  if (!right(batch, scenes, *contact.layer(sensor.poisson), cells)) {
+  if (!right(batch, scenes, *contact.layer({sensor.poisson}), cells)) {
     state.SkipWithError("forces differ from the twin's");
     return;
   }
