@@ -43,9 +43,12 @@ std::vector<LegendrePoint> points_about_zero(double side, double at, double besi
   }
   std::vector<double> ends{left, right};
   if (left < 0 && right > 0) ends.push_back(0);
-  for (double end = std::max(near, beside); end < std::max(-left, right); end *= 3)
+  double end = std::max(near, beside);
+  while (end < std::max(-left, right)) {
     for (const double place : {-end, end})
       if (place > left && place < right) ends.push_back(place);
+    end *= 3;
+  }
   std::ranges::sort(ends);
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) add(ends[k], ends[k + 1], 10);
   return points;
