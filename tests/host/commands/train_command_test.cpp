@@ -545,7 +545,7 @@ frames = 40
   }
   for (const char* target : {"net_slip", "slid_ahead"}) {
     const std::vector<std::string> words{"--target", target,      "--scaling", "rest",   "--cycles",
-                                         "3",        "--network", "24-3-1",    "--quiet"};
+                                         "3",        "--network", "12-3-1",    "--quiet"};
     const auto train = [&](const std::string& from) {
       std::vector<std::string> all{"train", from, "--output", folder / target};
       all.insert(all.end(), words.begin(), words.end());
@@ -553,7 +553,7 @@ frames = 40
     };
     EXPECT_TRUE(is_refused(train(without), {target, "a set of grips with [load.hold] rate"}));
     ASSERT_EQ(train(file).exit_code, 0);
-    EXPECT_STREQ(nn::name(read_onnx(folder / target / "24-3-1_noise0_seed1.onnx").target), target);
+    EXPECT_STREQ(nn::name(read_onnx(folder / target / "12-3-1_noise0_seed1.onnx").target), target);
     EXPECT_THAT(run_tactel({"recall", folder / target, file}).out,
                 HasSubstr(std::string("errors |") + target + " - " + target + " of the set|"));
   }
