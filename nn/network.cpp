@@ -2,6 +2,7 @@
 #include "nn/network.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -9,6 +10,9 @@
 
 namespace tactel::nn {
 namespace {
+
+constexpr std::array<std::string_view, 7> target_names{"slip_index", "force_ratio", "stick_fraction", "slid",
+                                                       "slip_path",  "net_slip",    "slid_ahead"};  // [Target]
 
 std::size_t place_among(const std::vector<float>& edges, float value) noexcept {
   return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
@@ -50,30 +54,11 @@ Features parse_features(std::string_view text) {
   throw ValueError("features", std::string(text), "frame, line or pad");
 }
 
-const char* name(Target target) {
-  switch (target) {
-    case Target::slip_index:
-      return "slip_index";
-    case Target::force_ratio:
-      return "force_ratio";
-    case Target::stick_fraction:
-      return "stick_fraction";
-    case Target::slid:
-      return "slid";
-    case Target::slip_path:
-      return "slip_path";
-    case Target::net_slip:
-      return "net_slip";
-    case Target::slid_ahead:
-      return "slid_ahead";
-  }
-  return "unknown";
-}
+const char* name(Target target) { return target_names[static_cast<std::size_t>(target)].data(); }
 
 Target parse_target(std::string_view text) {
-  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction, Target::slid,
-                              Target::slip_path, Target::net_slip, Target::slid_ahead})
-    if (text == name(target)) return target;
+  const auto found = std::ranges::find(target_names, text);
+  if (found != target_names.end()) return static_cast<Target>(found - target_names.begin());
   throw ValueError("target", std::string(text), std::string("slip_index, force_ratio, stick_fraction, ") + slide_names);
 }
 
