@@ -36,6 +36,16 @@ void put(PadStepper<Real>& steps, const fem::PadSensor& pad, const fem::PadInden
 constexpr StepOptions oblong{
     .cells = {6, 9}, .cell = {0.42, 0.26}, .tolerance = 1e-8, .force_tolerance = 1e-6, .most_sweeps = 2000};
 
+/// Frames are those of the tractions by the layer's kernels.
+void expect_frames_of_tractions(PadStepper<double>& steps, const fem::PadSensor& pad) {
+  const fem::PadCells& cells = steps.cells();
+  const Eigen::MatrixXd base = fem::base_stress_of_cells(fem::pad_layer(fem::rubber(pad)), {.sensor = pad}, cells);
+  const std::vector<double> tractions = steps.tractions();
+  const Eigen::VectorXd expected = base * Eigen::Map<const Eigen::VectorXd>(tractions.data(), 3 * cells.count());
+  for (Eigen::Index r = 0; r < expected.size(); ++r)
+    EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
+}
+
 TEST(PadStepGrid, AgreesWithItsTwin) {
   PadStepper<double> steps(executor(), rubber, 1, std::array{0.5}, oblong);
   const fem::PadCells& cells = steps.cells();
@@ -56,12 +66,7 @@ TEST(PadStepGrid, AgreesWithItsTwin) {
     EXPECT_NEAR(number(steps, 0, STEP_RESULT_S), state.slip_index, 1e-3);                           // four rounds
     EXPECT_EQ(number(steps, 0, STEP_RESULT_TOUCH), state.touching);
   }
-  // Frames are those of its tractions by the layer's kernels.
-  const Eigen::MatrixXd base = fem::base_stress_of_cells(fem::pad_layer(rubber.poisson), {.sensor = rubber}, cells);
-  const std::vector<double> tractions = steps.tractions();
-  const Eigen::VectorXd expected = base * Eigen::Map<const Eigen::VectorXd>(tractions.data(), 3 * cells.count());
-  for (Eigen::Index r = 0; r < expected.size(); ++r)
-    EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
+  expect_frames_of_tractions(steps, rubber);
 }
 
 TEST(PadStepGrid, SoftObjectsAgreeWithTheTwin) {
@@ -111,12 +116,7 @@ TEST(PadStepGrid, LayersAgreeWithTheTwin) {
     for (int row = 0; row < 4; ++row)
       EXPECT_NEAR(number(steps, 0, STEP_RESULT_P + row), state.force[row], 1e-5 * state.force[0]);
   }
-  const Eigen::MatrixXd base =
-      fem::base_stress_of_cells(fem::pad_layer(fem::rubber(covered)), {.sensor = covered}, cells);
-  const std::vector<double> tractions = steps.tractions();
-  const Eigen::VectorXd expected = base * Eigen::Map<const Eigen::VectorXd>(tractions.data(), 3 * cells.count());
-  for (Eigen::Index r = 0; r < expected.size(); ++r)
-    EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
+  expect_frames_of_tractions(steps, covered);
   const std::vector<double> state = steps.state();
   PadStepper<double> others(executor(), rubber, 1, std::array{0.5}, oblong);
   EXPECT_EQ(state.size(), others.state_rows() + 2 + 6);
