@@ -146,6 +146,22 @@ inline constexpr auto numbers<Pad> = std::tuple{
     Number{"curvature_radius", "mm", &Pad::curvature_radius, "a number of mm, or left out for a flat skin",
            "mm, of the skin; None: flat", false, false}};
 template <>
+inline constexpr auto numbers<Markers> =
+    std::tuple{Number{"counts", "", &Markers::counts, "two whole numbers [nx, ny] of markers along x and y",
+                      "along x and y", false, false},
+               Number{"pitch", "mm", &Markers::pitch, "a number of mm, or two [px, py] along x and y",
+                      "mm, along x and y", false, false},
+               Number{"depth", "mm", &Markers::depth, "a number of mm below the surface, 0 or more",
+                      "mm below the surface", false, false}};
+template <>
+inline constexpr auto numbers<Camera> =
+    std::tuple{Number{"distance", "mm", &Camera::distance, "a number of mm above 0",
+                      "mm, from the pinhole to the markers", false, false},
+               Number{"pixels_per_mm", "1/mm", &Camera::pixels_per_mm, "a number above 0",
+                      "in the plane of the markers", false, false},
+               Number{"centre", "pixels", &Camera::centre, "two numbers of pixels, the image of the pad's middle",
+                      "pixels: image of the pad's middle", false, false}};
+template <>
 inline constexpr auto numbers<Load> = std::tuple{
     Number{"indentation", "mm", &Load::indentation, some_targets, "mm: targets"},
     Number{"normal_force", "N/mm", &Load::normal_force, "a number of N/mm, or an array of successive targets",

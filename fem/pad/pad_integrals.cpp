@@ -7,6 +7,7 @@
 
 #include "fem/layer/layer_transforms.h"
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/bessel.h"
 
 namespace tactel::fem {
 namespace {
@@ -18,24 +19,6 @@ constexpr double last_panel_phase = 19.2;  ///< of the Bessel functions in a pan
 constexpr int points_a_panel = 16;
 // Near nu = 1/2 the integrands change at a of sqrt(1 - 2 nu): panels double from here on.
 constexpr double first_panel = 1e-5;
-
-/// J0, J1, J2 and their slopes.
-struct Bessel {
-  explicit Bessel(double x) {
-    value[0] = ::j0(x);
-    value[1] = ::j1(x);
-    const double half = x / 2, q = half * half;
-    const double J1_by_x = x < 1e-8 ? 0.5 : value[1] / x;
-    // The recurrence cancels where x is small; there the series has six terms at most.
-    double J2_by_x = x < 1 ? x / 8 * (1 - q / 3 * (1 - q / 8 * (1 - q / 15 * (1 - q / 24 * (1 - q / 35)))))
-                           : (2 * J1_by_x - value[0]) / x;
-    value[2] = J2_by_x * x;
-    slope[0] = -value[1];
-    slope[1] = value[0] - J1_by_x;
-    slope[2] = value[1] - 2 * J2_by_x;
-  }
-  double value[3], slope[3];
-};
 
 constexpr int order[pad_integrals] = {0, 0, 2, 1, 0, 0, 2, 1, 1};
 

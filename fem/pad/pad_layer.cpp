@@ -414,8 +414,15 @@ PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, doub
 
 std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, double hy, int n, double x,
                                                    double y) const {
-  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
-  const double unit_x = hx / soft_thickness_, unit_y = hy / soft_thickness_;
+  return of_cells(hx / thickness, hy / thickness, soft_thickness_, n, x / thickness, y / thickness, reach_,
+                  [this](double side_x, double side_y, double at_x, double at_y) {
+                    return base_stress(1, side_x, side_y, at_x, at_y);
+                  });
+}
+
+std::vector<PadBaseStress> PadLayer::of_cells(double hx, double hy, double unit, int n, double x, double y,
+                                              double reach, const OfPart& of_part) {
+  const double unit_x = hx / unit, unit_y = hy / unit;
   const std::vector<Share> along_x = shares(unit_x), along_y = shares(unit_y);
   const int mx = parts(unit_x), my = parts(unit_y);
   // Part u lies u times its side from the middle of the first cell; those out of range give nothing.
@@ -427,7 +434,7 @@ std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, 
     }
     int first, end;
   };
-  const Parts u(x, hx / mx, mx, n, reach_), v(y, hy / my, my, n, reach_);
+  const Parts u(x, hx / mx, mx, n, reach), v(y, hy / my, my, n, reach);
   std::vector<PadBaseStress> lines(n * std::max(0, v.end - v.first), PadBaseStress::Zero()),
       all(n * n, PadBaseStress::Zero());
   const auto line = [&](int i, int l) -> PadBaseStress& { return lines[i * (v.end - v.first) + l - v.first]; };
@@ -438,7 +445,7 @@ std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, 
   for (int k = u.first; k < u.end; ++k)
     for (int l = v.first; l < v.end; ++l) {
       const PadBaseStress part =
-          static_cast<double>(mx * my) * base_stress(1, hx / mx, hy / my, x - k * hx / mx, y - l * hy / my);
+          static_cast<double>(mx * my) * of_part(hx / mx, hy / my, x - k * hx / mx, y - l * hy / my);
       for (int i = 0; i < n; ++i)
         if (const double share = share_of(along_x, k - i * mx); share != 0) line(i, l) += share * part;
     }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <compare>
+#include <functional>
 #include <vector>
 
 #include "fem/pad/pad_integrals.h"
@@ -135,6 +136,12 @@ class PadLayer {
   /// The same of n x n cells, i along x, j along y, [i n + j], with (x, y) from the middle of the first. Wide cells
   /// share the parts that they are summed from.
   std::vector<PadBaseStress> base_stresses(double thickness, double hx, double hy, int n, double x, double y) const;
+
+  /// What uniform parts do, by their sides and the offset from their middles.
+  using OfPart = std::function<PadBaseStress(double hx, double hy, double x, double y)>;
+  /// Returns what n x n cells of shares() do, by that of their parts as far as `reach`; sides of parts are by `unit`.
+  static std::vector<PadBaseStress> of_cells(double hx, double hy, double unit, int n, double x, double y, double reach,
+                                             const OfPart& of_part);
 
   /// Returns the number of uniform parts of a side, over H.
   static int parts(double side) { return side <= narrow_cell ? 1 : 2 * static_cast<int>(std::ceil(side - 1e-9)) + 1; }

@@ -8,6 +8,7 @@
 
 #include "fem/angles.h"
 #include "fem/number_text.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
@@ -149,6 +150,9 @@ void PadScene::validate() const {
   indenter.validate();
   load.validate();
   check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
+  if (markers) fem::validate(*markers, sensor);
+  if (camera) fem::validate(*camera);
+  if (camera && !markers) throw ValueError("camera", "without markers", "given with [markers], which it sees");
 }
 
 std::vector<PadTarget> pad_targets(const PadLoad& load) {

@@ -123,6 +123,8 @@ struct PadScene {
   PadIndenter indenter;
   double friction = 0.5;
   PadLoad load;
+  std::optional<Markers> markers{};
+  std::optional<Camera> camera{};
   void validate() const;
 };
 

@@ -32,6 +32,8 @@ struct PadStep {
   Eigen::VectorXd normal_force;       ///< [cells] N
   Eigen::MatrixX2d tangential_force;  ///< [cells] N
   Eigen::MatrixX3d stress;            ///< [tactels, x fastest] MPa: sigma_z, tau_x, tau_y of the rubber on the base
+  Eigen::MatrixX3d markers;           ///< [markers] mm: displacements (see_markers)
+  Eigen::MatrixX2d pixels;            ///< [markers] where a camera sees them
   bool converged = false;             ///< and so are all steps before it
   int iterations = 0;                 ///< sweeps since the last asked step
   PadResidual residual;

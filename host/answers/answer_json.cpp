@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "host/answers/convergence.h"
-#include "host/answers/derivatives.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"
 
@@ -26,6 +25,8 @@ Json json_of(const Value& value) {
     for (Eigen::Index i = 0; i < value.rows(); ++i)
       if constexpr (Value::ColsAtCompileTime == 2)
         all.push_back({value(i, 0), value(i, 1)});
+      else if constexpr (Value::ColsAtCompileTime == 3)
+        all.push_back({value(i, 0), value(i, 1), value(i, 2)});
       else
         all.push_back(value(i));
     return all;
@@ -51,6 +52,9 @@ Json steps_json(const std::vector<Step>& steps, bool base, bool shear) {
     each(quantities<false>(step), [&, &json = all.emplace_back()](const auto& quantity) {
       const std::string_view key = quantity.key;
       if (OfPad<Step> && !shear && key.starts_with("tau")) return;
+      if constexpr (requires { quantity.value.rowwise(); })
+        if (key == "markers" || key == "pixels")
+          if (quantity.value.size() == 0) return;  // not asked for
       json[quantity.key] = !base && key.starts_with("base") ? Json::array() : json_of(quantity.value);
     });
   return all;
@@ -66,32 +70,6 @@ Json error_json(const ExpectedError& error, bool of_pad) {
         {{"largest", error.largest}, {"strain", error.strain}, {"scenes", error.scenes}, {"outside", error.outside}});
   if (!error.from.empty()) out["from"] = error.from;
   return out;
-}
-
-Json derivatives_json(const ContactDerivatives& derivatives) {
-  Json parameters = Json::array(), missing = Json::array(), steps = Json::array();
-  for (const SceneParameter& p : derivatives.parameters)
-    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
-  for (const NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
-  for (std::size_t k = 0; k < derivatives.distance_to_switch.size(); ++k) {
-    Json& step = steps.emplace_back();
-    step["distance_to_switch"] = derivatives.distance_to_switch[k];
-    const auto add = [&](const char* key, const auto member) {  // [parameters]
-      Json& all = step[key] = Json::array();
-      for (const std::vector<fem::ContactStep>& by : derivatives.by) all.push_back(json_of(by[k].*member));
-    };
-    add("P", &fem::ContactStep::P);
-    add("Q", &fem::ContactStep::Q);
-    add("slip_index", &fem::ContactStep::slip_index);
-    add("indentation", &fem::ContactStep::indentation);
-    add("tangential", &fem::ContactStep::tangential);
-    add("sigma_y", &fem::ContactStep::sigma_y);
-    add("tau_xy", &fem::ContactStep::tau_xy);
-  }
-  return {{"parameters", std::move(parameters)},
-          {"missing", std::move(missing)},
-          {"answer_difference", derivatives.answer_difference},
-          {"steps", std::move(steps)}};
 }
 
 /// What answers of both kinds begin with.
@@ -115,7 +93,6 @@ Json to_json(const SolveOutcome& outcome) {
               {"steps", steps_json(solution.steps, !outcome.on_patch(), true)}});
   if (!outcome.rung.empty()) out["rung"] = outcome.rung;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
-  if (outcome.derivatives) out["derivatives"] = derivatives_json(*outcome.derivatives);
   if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, false);
   return out;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_reference.h"
 #include "host/answers/solve.h"
 #include "host/contact/limits.h"
@@ -132,6 +133,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
       state_error(outcome, judge, PadJudge::usual_cells(outcome.rung));
   }
   if (!touches(outcome.solution)) outcome.error.reset();
+  fem::see_markers(outcome.scene, outcome.solution);
   return outcome;
 }
 

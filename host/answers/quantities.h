@@ -93,7 +93,10 @@ auto quantities(Step& s) {
     const auto cells = std::tuple{Quantity{"status", "cells", "", "0 open, 1 stick, 2 slip", s.status},
                                   Quantity{"normal_force", "cells", "N", "; >= 0 presses", s.normal_force},
                                   Quantity{"tangential_force", "cells, 2", "N", " along x, y", s.tangential_force}};
-    return std::tuple_cat(path, cells, converged, solver_quantities(s));
+    const auto markers = std::tuple{
+        Quantity{"markers", "markers, 3", "mm", " along x, y, z: displacements of the scene's markers", s.markers},
+        Quantity{"pixels", "markers, 2", "pixels", "; where the scene's camera sees them", s.pixels}};
+    return std::tuple_cat(path, cells, markers, converged, solver_quantities(s));
   }
 }
 

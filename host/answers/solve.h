@@ -20,21 +20,19 @@ namespace tactel::host {
 std::vector<std::string> solver_names();
 
 using tactel::SolveOptions;
-struct ContactDerivatives;
 struct Convergence;
 
 /// An answer with its solver, precision and device.
 struct SolveOutcome {
   fem::ContactSolution solution;
   std::string solver, precision, device;
-  fem::Scene scene{};                                       ///< as it was modelled
-  std::string rung{};                                       ///< empty: the scene's own model
-  std::optional<RungChoice> plan{};                         ///< reason for the rung, where an accuracy was requested
-  std::string model_reason{};                               ///< why this model, patch or mesh, answered
-  std::optional<ExpectedError> error{};                     ///< of solve's command; none: not estimated
-  std::string no_estimate{};                                ///< why there is none, where one was wanted
-  std::shared_ptr<const ContactDerivatives> derivatives{};  ///< none: not asked for
-  std::shared_ptr<const Convergence> convergence{};         ///< none: not asked for
+  fem::Scene scene{};                                ///< as it was modelled
+  std::string rung{};                                ///< empty: the scene's own model
+  std::optional<RungChoice> plan{};                  ///< reason for the rung, where an accuracy was requested
+  std::string model_reason{};                        ///< why this model, patch or mesh, answered
+  std::optional<ExpectedError> error{};              ///< of solve's command; none: not estimated
+  std::string no_estimate{};                         ///< why there is none, where one was wanted
+  std::shared_ptr<const Convergence> convergence{};  ///< none: not asked for
 
   bool on_patch() const { return solution.surface_width.size() > 0; }
   bool kept() const { return !plan || plan->kept; }  ///< the accuracy that was requested

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/side_kernel.h"
 #include "fem/value_error.h"
 #include "host/api/api_errors.h"
@@ -53,6 +54,7 @@ struct PadStepper::State {
   template <class Step>
   void step(const Step& step, std::span<const std::uint8_t> mask = {});
   void take_answer();
+  std::span<const float> sums(const auto& get, std::vector<float>& own);
 
   host::Executor executor;
   Pad pad;
@@ -66,7 +68,7 @@ struct PadStepper::State {
   std::vector<double> put;                  ///< [count][3] places whose heights the device has; empty: none
   std::vector<double> depths;               ///< [count] of gaps
   StepAnswer answer;
-  std::vector<float> frames;  ///< of fp64
+  std::vector<float> frames, displacements;  ///< of fp64
 };
 
 /// Heights of the shapes where they lie, moved by x, y and twist of the pose.
@@ -275,14 +277,34 @@ const StepAnswer& PadStepper::press(std::span<const double> wrench, std::span<co
 
 const StepAnswer& PadStepper::answer() const { return state_->answer; }
 
-std::span<const float> PadStepper::frames() {
-  State& s = *state_;
+/// Sums of the stepper; those of fp64 are kept in `own`.
+std::span<const float> PadStepper::State::sums(const auto& get, std::vector<float>& own) {
   return api::with_public_errors([&]() -> std::span<const float> {
-    if (auto* of = std::get_if<host::PadStepper<float>>(&s.steps)) return of->frames();
-    const auto frames = std::get<host::PadStepper<double>>(s.steps).frames();
-    s.frames.assign(frames.begin(), frames.end());
-    return s.frames;
+    if (auto* of = std::get_if<host::PadStepper<float>>(&steps)) return get(*of);
+    const auto all = get(std::get<host::PadStepper<double>>(steps));
+    own.assign(all.begin(), all.end());
+    return own;
   });
+}
+
+std::span<const float> PadStepper::frames() {
+  return state_->sums([](auto& of) { return of.frames(); }, state_->frames);
+}
+
+std::span<const float> PadStepper::markers() {
+  return state_->sums([](auto& of) { return of.markers(); }, state_->displacements);
+}
+
+std::vector<float> PadStepper::pixels() {
+  const StepOptions& given = options();
+  if (!given.camera) return {};
+  const std::span<const float> all = markers();
+  const Eigen::MatrixX3d u = Eigen::Map<const Eigen::Matrix<float, 3, Eigen::Dynamic>>(
+                                 all.data(), 3, static_cast<Eigen::Index>(all.size() / 3))
+                                 .transpose()
+                                 .cast<double>();
+  const Eigen::Matrix2Xf seen = fem::pixels_of(*given.camera, *given.markers, u).transpose().cast<float>();
+  return {seen.data(), seen.data() + seen.size()};
 }
 
 std::vector<double> PadStepper::tractions() const {

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "host/answers/derivatives.h"
 #include "host/answers/solve.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"
@@ -37,6 +36,9 @@ void assign(std::vector<NodeStatus>& to, const std::vector<fem::GapStatus>& from
 }
 void assign(std::vector<std::array<double, 2>>& to, const Eigen::MatrixX2d& from) {
   for (const auto& row : from.rowwise()) to.push_back({row[0], row[1]});
+}
+void assign(std::vector<std::array<double, 3>>& to, const Eigen::MatrixX3d& from) {
+  for (const auto& row : from.rowwise()) to.push_back({row[0], row[1], row[2]});
 }
 void assign(auto& to, const auto& from) { to = from; }
 void assign(OfLaws auto& to, const auto& from) {
@@ -88,33 +90,6 @@ PadPath path_of(const host::PadOutcome& outcome) {
   return path;
 }
 
-Derivatives derivatives_of(const host::ContactDerivatives& from) {
-  Derivatives all;
-  for (const host::SceneParameter& p : from.parameters) {
-    all.names.push_back(p.name);
-    all.units.push_back(p.unit);
-    all.values.push_back(p.value);
-  }
-  for (const host::NoDerivative& m : from.missing) all.missing.push_back(m.name + ": " + m.reason);
-  all.distance_to_switch = from.distance_to_switch;
-  all.answer_difference = from.answer_difference;
-  const auto append = [](std::vector<double>& to, const auto& values) {
-    to.insert(to.end(), values.begin(), values.end());
-  };
-  for (std::size_t k = 0; k < from.distance_to_switch.size(); ++k)
-    for (const std::vector<fem::ContactStep>& steps : from.by) {
-      const fem::ContactStep& by = steps[k];
-      all.P.push_back(by.P);
-      all.Q.push_back(by.Q);
-      all.slip_index.push_back(by.slip_index.value_or(undefined));
-      all.indentation.push_back(by.indentation);
-      all.tangential.push_back(by.tangential);
-      append(all.sigma_y, by.sigma_y);
-      append(all.tau_xy, by.tau_xy);
-    }
-  return all;
-}
-
 SolveOptions options_of_line(SolveOptions options) {
   api::check_precision(options.precision);
   if (options.solver != "batched" && options.solver != "full-mesh" && options.solver != "reference")
@@ -132,7 +107,6 @@ Path solve(const Scene& scene, const SolveOptions& options) {
     host::SolveOutcome outcome = host::solve(made, options_of_line(options));
     if (options.estimate_error) host::estimate_error(outcome);
     Path path = path_of(outcome);
-    if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(made, outcome));
     path.outcome = outcome_of(std::move(outcome));
     return path;
   });
@@ -140,8 +114,6 @@ Path solve(const Scene& scene, const SolveOptions& options) {
 
 PadPath solve(const PadScene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
-    if (options.derivatives)
-      throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
     api::check_precision(options.precision);
     host::PadOutcome outcome = host::solve(api::to_fem(scene), options);
     PadPath path = path_of(outcome);

@@ -235,6 +235,10 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
     if (text(scenes[i].sensor) != text(scenes[0].sensor))
       throw ValueError("scenes[" + std::to_string(i) + "].sensor.tactels", text(scenes[i].sensor),
                        "those of scenes[0], " + text(scenes[0].sensor));
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    if (scenes[i].markers)
+      throw ValueError("scenes[" + std::to_string(i) + "].markers", "given",
+                       "left out: solve and PadStepper have displacements of markers");
 }
 
 /// Returns the rung that is named, or the cheapest that keeps the accuracy on at most host::most_tried of the scenes,

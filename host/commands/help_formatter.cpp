@@ -70,7 +70,7 @@ struct OptionGroup {
 constexpr std::array<OptionGroup, 8> option_groups = {{
     {"Input", "--source --profile --calibration --seconds --late --drift --scenes --seed --pads --quick "},
     {"Output",
-     "--output --html --json --no-floor --plot --field --step --derivatives --view --serve --serve-host --stresses "
+     "--output --html --json --no-floor --plot --field --step --view --serve --serve-host --stresses "
      "--every --frames --columns --compress --recall --resume --force --checkpoint-seconds "},
     {"Network", "--network --friction --friction-spread --friction-drift --level "},
     {"Learning", "--cycles --seeds --noise-cycles "},

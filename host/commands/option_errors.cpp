@@ -98,6 +98,8 @@ std::string unknown_argument(const CLI::App& command) {
     return message("argument", extras.empty() ? "" : extras.back(),
                    fmt::format("left out: {} takes no more", called(command)));
   const std::string word = found->substr(0, found->find('='));
+  if (word == "--derivatives" && called(command) == "tactel solve")
+    return message(word, "", "left out: they are differences of two answers (Python: solve, Scene.with_)");
   return message(word, "",
                  fmt::format("an option of {}{}", called(command), did_you_mean(word, names_of_options(command))));
 }

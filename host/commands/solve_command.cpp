@@ -10,7 +10,6 @@
 #include "host/answers/answer_page.h"
 #include "host/answers/answer_table.h"
 #include "host/answers/convergence.h"
-#include "host/answers/derivatives.h"
 #include "host/answers/warnings.h"
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
@@ -33,7 +32,7 @@ struct SolveRequest {
   SharedOptions shared;
   std::string scene, json, plot, field, html;
   std::optional<int> step;
-  bool derivatives = false, converge = false;
+  bool converge = false;
 };
 
 /// The index of the step that --step names, from 1; the last by default.
@@ -95,8 +94,6 @@ void write_field(const SolveRequest& request, const PadOutcome& outcome, std::si
 }
 
 SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
-  if (request.derivatives && request.json.empty())
-    throw ConfigError("command line", "--derivatives", "", "given with --json FILE, which takes them");
   const SolveOptions& options = request.shared.solve;
   const bool on_mesh = !request.field.empty();
   if (on_mesh) {
@@ -111,7 +108,6 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
   FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
   SolveOutcome solved = solve(asked, options, on_mesh);
   estimate_error(solved, std::move(finer));
-  if (request.derivatives) solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
   return solved;
 }
 
@@ -131,8 +127,6 @@ PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) t
     throw ConfigError("command line", "--field", request.field,
                       "a .vtu, of cells: the field in the rubber is that of "
                       "one layer, without sensor.layers");
-  if (request.derivatives)
-    throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
   const StageLine stage("solving " + request.scene + first_tables(scene.sensor), request.shared.quiet);
   return solve(scene, request.shared.solve);
 } catch (const ValueError& error) {
@@ -200,8 +194,6 @@ void add_solve_command(CLI::App& app, Action& action) {
   add_option(*command, "--step", request->step,
              "load step of --plot and --field, from 1 (default: the last), the first of --html, that of --converge",
              {.type = "K"});
-  add_option(*command, "--derivatives", request->derivatives,
-             "add the derivatives of forces, S and stresses by the scene's numbers to --json");
   add_option(*command, "--converge", request->converge,
              "solve also on ever smaller cells: order, limit and its uncertainty, error of this answer");
   add_shared_options(*command, request->shared);

@@ -13,6 +13,7 @@
 
 #include "fem/accuracy.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_solver.h"
 #include "fem/pad/pad_table.h"
 #include "fem/pad/side_kernel.h"
@@ -73,6 +74,20 @@ struct StickingDisc {
     kt = rigid.col(0).dot(tractions.col(0)) * h * h / (a * (1 + a));
     kr = rigid.col(1).dot(tractions.col(1)) * h * h / (a * a * a * (1 + a));
   }
+};
+
+/// Numbers that a traction of 1 of the state adds to sums, as the kernel takes them: [blocks of rows][cells][n, t_x,
+/// t_y][STEP_FRAME_BLOCK], zeros behind the last row.
+struct SumBlocks {
+  SumBlocks(std::size_t rows, std::size_t cells)
+      : rows(rows),
+        cells(cells),
+        numbers((rows + STEP_FRAME_BLOCK - 1) / STEP_FRAME_BLOCK * cells * 3 * STEP_FRAME_BLOCK) {}
+  double& at(std::size_t row, std::size_t cell, std::size_t part) {
+    return numbers[((row / STEP_FRAME_BLOCK * cells + cell) * 3 + part) * STEP_FRAME_BLOCK + row % STEP_FRAME_BLOCK];
+  }
+  std::size_t rows, cells;
+  std::vector<double> numbers;
 };
 
 void check_size(const char* key, std::size_t size, std::size_t allowed) {
@@ -198,6 +213,9 @@ struct PadStepper<Real>::State {
       if (cell < solvable.left || cell > solvable.right)
         throw ValueError("cell", fmt::format("{}", cell),
                          fmt::format("{} to {} mm on this rubber", solvable.left, solvable.right));
+    if (options.markers) fem::validate(*options.markers, pad);
+    if (options.camera) fem::validate(*options.camera);
+    if (options.camera && !options.markers) throw ValueError("camera", "without markers", "given with markers");
     check_count();
     if (fem::has_free_sides(pad)) {
       check_within(pad, options);
@@ -260,14 +278,29 @@ struct PadStepper<Real>::State {
   double root_zz = 0, root_tt = 0, rho_n = 1, rho_t = 1, kt = 0, kr = 0;
   double reach = usual_reach;
   int wide_from = 0;  ///< cells in the window of a contact that is split
-  std::size_t frame_rows = 0;
   std::optional<Program> program;
-  Buffer<Real> table, blocks, base, input, heights, soft, state, result, frame;
-  std::optional<Launch> step_launch, frame_launch;
+  Buffer<Real> table, blocks, input, heights, soft, state, result;
+  std::optional<Launch> step_launch;
   bool writes = false;  ///< the driver's kernel does, as the first step has shown
-  bool framed = false;
   using Mapping = typename Buffer<Real>::Mapping;
-  mutable std::unique_ptr<Mapping> result_view, frame_view;
+  mutable std::unique_ptr<Mapping> result_view;
+
+  /// Numbers of each contact that are sums over its tractions: made where they are asked for.
+  struct Sums {
+    std::size_t rows = 0;
+    Buffer<Real> base, numbers;
+    std::optional<Launch> launch{};
+    bool made = false;
+    std::unique_ptr<Mapping> view{};
+  };
+  Sums stresses{}, displacements{};
+  void prepare(Sums& sums, const SumBlocks& blocks);
+  std::span<const Real> made(Sums& sums);
+  /// A step was made, or a state set.
+  void forget() {
+    result_view.reset();
+    for (Sums* sums : {&stresses, &displacements}) sums->view.reset(), sums->made = false;
+  }
 };
 
 template <class Real>
@@ -295,25 +328,19 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   kt = disc.kt, kr = disc.kr;
   const TactelPoints points(pad);
   const std::size_t parts = points.weights.size(), tactels = static_cast<std::size_t>(points.places.rows()) / parts;
-  frame_rows = 3 * tactels;
-  const std::size_t blocks = (frame_rows + STEP_FRAME_BLOCK - 1) / STEP_FRAME_BLOCK;
-  std::vector<double> stress(blocks * cell_count() * 3 * STEP_FRAME_BLOCK);
+  SumBlocks stress(3 * tactels, cell_count());
   const double unit[3] = {-pad.young / root_zz, pad.young / root_tt, pad.young / root_tt};  // f_z = -n
   constexpr int column[3] = {2, 0, 1};
-  const auto place = [&](std::size_t row, std::size_t cell, std::size_t part) -> double& {
-    return stress[((row / STEP_FRAME_BLOCK * cell_count() + cell) * 3 + part) * STEP_FRAME_BLOCK +
-                  row % STEP_FRAME_BLOCK];
-  };
-  if (sides) {
-    fem::PadScene alone;
-    alone.sensor = pad;
-    const Eigen::MatrixXd all = fem::base_stress_of_cells(*tables.layer(), alone, cells, *sides);
-    for (std::size_t row = 0; row < frame_rows; ++row)
+  const auto put = [&](SumBlocks& to, const Eigen::MatrixXd& all) {
+    for (std::size_t row = 0; row < to.rows; ++row)
       for (std::size_t i = 0; i < cell_count(); ++i)
         for (std::size_t part = 0; part < 3; ++part)
-          place(row, i, part) = std::abs(unit[part]) *
+          to.at(row, i, part) = std::abs(unit[part]) *
                                 all(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(part * cell_count() + i));
-  }
+  };
+  fem::PadScene alone;
+  alone.sensor = pad;
+  if (sides) put(stress, fem::base_stress_of_cells(*tables.layer(), alone, cells, *sides));
   for (std::size_t k = 0; k < static_cast<std::size_t>(points.places.rows()) && !sides; ++k) {
     const auto at = points.places.row(static_cast<Eigen::Index>(k));
     const auto all = tables.layer()->base_stresses(H, cells.hx, cells.hy, most, at[0] - cells.x(0), at[1] - cells.y(0));
@@ -323,12 +350,24 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
       for (std::size_t part = 0; part < 3; ++part)
         for (std::size_t stress_row = 0; stress_row < 3; ++stress_row) {
           const std::size_t row = stress_row * tactels + k / parts;
-          place(row, i, part) +=
+          stress.at(row, i, part) +=
               points.weights[k % parts] * unit[part] * stress_of(static_cast<Eigen::Index>(stress_row), column[part]);
         }
     }
   }
-  base = Buffer<Real>(device(), std::span<const Real>(real(stress)));
+  prepare(stresses, stress);
+  if (!options.markers) return;
+  const Eigen::MatrixXd of_markers = fem::marker_rows(*options.markers, alone, cells);
+  SumBlocks displacement(static_cast<std::size_t>(of_markers.rows()), cell_count());
+  put(displacement, of_markers);
+  prepare(displacements, displacement);
+}
+
+template <class Real>
+void PadStepper<Real>::State::prepare(Sums& sums, const SumBlocks& blocks) {
+  sums.rows = blocks.rows;
+  const std::vector<Real> numbers(blocks.numbers.begin(), blocks.numbers.end());
+  sums.base = Buffer<Real>(device(), std::span<const Real>(numbers));
 }
 
 template <class Real>
@@ -342,7 +381,9 @@ void PadStepper<Real>::State::make_arrays() {
   input = filled(STEP_INPUT_ROWS, 0);
   put_input(STEP_BEYOND, 1, std::vector<double>(count, -1), std::array{1.0});
   heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
-  state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0), frame = filled(frame_rows, 0);
+  state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0);
+  for (Sums* sums : {&stresses, &displacements})
+    if (sums->rows > 0) sums->numbers = filled(sums->rows, 0);
 }
 
 template <class Real>
@@ -374,19 +415,22 @@ void PadStepper<Real>::State::make_launches() {
     kernel.set("state", state);
     kernel.set("result", result);
   });
-  frame_launch = executor.prepare(*program, "pad_frames", [&](KernelArguments& kernel) {
-    kernel.set("base", base);
-    kernel.set("rows", std::int32_t(frame_rows));
-    kernel.set("state", state);
-    kernel.set("frames", frame);
-  });
+  for (Sums* sums : {&stresses, &displacements})
+    if (sums->rows > 0)
+      sums->launch = executor.prepare(*program, "pad_frames", [&](KernelArguments& kernel) {
+        kernel.set("base", sums->base);
+        kernel.set("rows", std::int32_t(sums->rows));
+        kernel.set("state", state);
+        kernel.set("frames", sums->numbers);
+      });
 }
 
 template <class Real>
 void PadStepper<Real>::State::check_count() const {
   if (count < 1) throw ValueError("count", "0", "1 or more");
   const auto numbers = rows() + 2 * cell_count() + STEP_INPUT_ROWS + STEP_RESULT_ROWS +
-                       3 * static_cast<std::size_t>(pad.tactels[0] * pad.tactels[1]);
+                       3 * static_cast<std::size_t>(pad.tactels[0] * pad.tactels[1]) +
+                       (options.markers ? 3 * fem::marker_places(*options.markers).size() : 0);
   const std::uint64_t bytes = numbers * sizeof(Real), most = memory_of(device().info()) / bytes;
   if (count > most)
     throw ValueError("count", std::to_string(count),
@@ -463,8 +507,7 @@ void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
   check_size(by_wrench ? "wrench" : "pose", to.size(), 4 * count);
   const double H = pad.thickness, force = pad.young * H * H;
   const std::array by_pose{1 / H, 1 / H, 1 / H, 1.0}, by_force{1 / force, 1 / force, 1 / force, 1 / (force * H)};
-  result_view.reset(), frame_view.reset();
-  framed = false;
+  forget();
   put_input(STEP_TO, 4, to, by_wrench ? by_force : by_pose);
   step_launch->set("by_wrench", std::int32_t(by_wrench));
   const std::size_t groups = places / lanes();
@@ -499,7 +542,7 @@ std::size_t PadStepper<Real>::count() const {
 }
 template <class Real>
 std::size_t PadStepper<Real>::tactels() const {
-  return state_->frame_rows / 3;
+  return state_->stresses.rows / 3;
 }
 template <class Real>
 const fem::PadCells& PadStepper<Real>::cells() const {
@@ -576,15 +619,25 @@ std::span<const Real> PadStepper<Real>::results() const {
 }
 
 template <class Real>
-std::span<const Real> PadStepper<Real>::frames() {
-  State& s = *state_;
-  if (!s.framed) {
-    s.frame_view.reset();
-    s.executor.run(*s.frame_launch, s.places / s.lanes(), {.equal_groups = true});
-    s.framed = true;
+std::span<const Real> PadStepper<Real>::State::made(Sums& sums) {
+  if (!sums.made) {
+    sums.view.reset();
+    executor.run(*sums.launch, places / lanes(), {.equal_groups = true});
+    sums.made = true;
   }
-  if (!s.frame_view) s.frame_view = std::make_unique<typename State::Mapping>(s.frame, MapFor::reading);
-  return s.frame_view->view().first(count() * s.frame_rows);
+  if (!sums.view) sums.view = std::make_unique<Mapping>(sums.numbers, MapFor::reading);
+  return sums.view->view().first(count * sums.rows);
+}
+
+template <class Real>
+std::span<const Real> PadStepper<Real>::frames() {
+  return state_->made(state_->stresses);
+}
+
+template <class Real>
+std::span<const Real> PadStepper<Real>::markers() {
+  if (state_->displacements.rows == 0) return {};
+  return state_->made(state_->displacements);
 }
 
 template <class Real>
@@ -673,8 +726,7 @@ template <class Real>
 void PadStepper<Real>::put_back(const Kept& kept, std::span<const std::uint8_t> mask) {
   State& s = *state_;
   if (!mask.empty()) check_size("mask", mask.size(), count());
-  s.result_view.reset(), s.frame_view.reset();
-  s.framed = false;
+  s.forget();
   const auto put = [&](Buffer<Real>& buffer, const std::vector<Real>& from, std::size_t rows, const auto& at) {
     const auto all = buffer.map();
     for (std::size_t c = 0; c < count(); ++c)

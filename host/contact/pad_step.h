@@ -69,7 +69,9 @@ class PadStepper {
   // long as the stepper.
   std::span<const Real> results() const;  ///< [count][STEP_RESULT_ROWS] of kernels/shared/pad_step_layout.h
   std::span<const Real> frames();         ///< [count][3][tactels] MPa: sigma_z, tau_x, tau_y; made at the first call
-  std::vector<double> poses() const;      ///< [count][4] depth, x, y (mm), twist (rad) where the contacts are
+  /// Displacements of the markers, [count][markers][3] mm; empty without markers.
+  std::span<const Real> markers();
+  std::vector<double> poses() const;  ///< [count][4] depth, x, y (mm), twist (rad) where the contacts are
   /// Tractions on the cells, [count][3][cells] MPa: n, t_x, t_y.
   std::vector<double> tractions() const;
 

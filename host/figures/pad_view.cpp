@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/pad/pad_markers.h"
+
 namespace tactel::host {
 namespace {
 
@@ -50,23 +52,26 @@ class PadBuilder {
     const PadStep& s = step(k);
     std::string status;
     for (const fem::GapStatus each : s.status) status += "otl"[static_cast<int>(each)];
-    return {{"number", steps_[k] + 1},
-            {"indentation", rounded(s.indentation)},
-            {"drag", rounded(std::array{s.x, s.y})},
-            {"twist", rounded(s.twist * degrees)},
-            {"P", rounded(s.P, 6)},
-            {"Q", rounded(s.Q, 6)},
-            {"M", rounded(s.M, 6)},
-            {"S", rounded(s.slip_index.value_or(NAN), 6)},
-            {"ratio", rounded(s.force_ratio.value_or(NAN), 6)},
-            {"outline", outline_at(s.indentation)},
-            {"status", status},
-            {"p", rounded(s.normal_force / area())},
-            {"tx", rounded(s.tangential_force.col(0) / area())},
-            {"ty", rounded(s.tangential_force.col(1) / area())},
-            {"sigma", rounded(s.stress.col(0))},
-            {"tau_x", rounded(s.stress.col(1))},
-            {"tau_y", rounded(s.stress.col(2))}};
+    Json out = {{"number", steps_[k] + 1},
+                {"indentation", rounded(s.indentation)},
+                {"drag", rounded(std::array{s.x, s.y})},
+                {"twist", rounded(s.twist * degrees)},
+                {"P", rounded(s.P, 6)},
+                {"Q", rounded(s.Q, 6)},
+                {"M", rounded(s.M, 6)},
+                {"S", rounded(s.slip_index.value_or(NAN), 6)},
+                {"ratio", rounded(s.force_ratio.value_or(NAN), 6)},
+                {"outline", outline_at(s.indentation)},
+                {"status", status},
+                {"p", rounded(s.normal_force / area())},
+                {"tx", rounded(s.tangential_force.col(0) / area())},
+                {"ty", rounded(s.tangential_force.col(1) / area())},
+                {"sigma", rounded(s.stress.col(0))},
+                {"tau_x", rounded(s.stress.col(1))},
+                {"tau_y", rounded(s.stress.col(2))}};
+    if (scene_.markers)
+      for (const int axis : {0, 1, 2}) out["u"].push_back(rounded(s.markers.col(axis)));
+    return out;
   }
 
   /// Index of the outline at a depth: steps of one depth share it.
@@ -102,7 +107,16 @@ class PadBuilder {
       sigma = std::max(sigma, step(k).stress.col(0).cwiseAbs().maxCoeff());
       tau = std::max(tau, step(k).stress.rightCols<2>().rowwise().norm().maxCoeff());
     }
-    return {{"p", rounded(p)}, {"t", rounded(t)}, {"sigma", rounded(sigma)}, {"tau", rounded(tau)}};
+    Json out = {{"p", rounded(p)}, {"t", rounded(t)}, {"sigma", rounded(sigma)}, {"tau", rounded(tau)}};
+    if (scene_.markers) {
+      double along = 0, down = 0;
+      for (std::size_t k = 0; k < steps_.size(); ++k) {
+        along = std::max(along, step(k).markers.leftCols<2>().rowwise().norm().maxCoeff());
+        down = std::max(down, step(k).markers.col(2).cwiseAbs().maxCoeff());
+      }
+      out["u"] = rounded(along), out["w"] = rounded(down);
+    }
+    return out;
   }
 
   Json sensor_json() const {
@@ -124,16 +138,18 @@ class PadBuilder {
   Json data() {
     Json steps = Json::array();
     for (std::size_t k = 0; k < steps_.size(); ++k) steps.push_back(step_json(k));
-    return {{"mu", rounded(scene_.friction)},
-            {"position", scene_.indenter.position},
-            {"yaw", scene_.indenter.yaw},
-            {"sensor", sensor_json()},
-            {"cells", cells_json()},
-            {"outlines", outlines_},
-            {"most", most()},
-            {"path", path_json()},
-            {"shown", std::ranges::find(steps_, shown_) - steps_.begin()},
-            {"steps", std::move(steps)}};
+    Json out = {{"mu", rounded(scene_.friction)},
+                {"position", scene_.indenter.position},
+                {"yaw", scene_.indenter.yaw},
+                {"sensor", sensor_json()},
+                {"cells", cells_json()},
+                {"outlines", outlines_},
+                {"most", most()},
+                {"path", path_json()},
+                {"shown", std::ranges::find(steps_, shown_) - steps_.begin()},
+                {"steps", std::move(steps)}};
+    if (scene_.markers) out["markers"] = fem::marker_places(*scene_.markers);
+    return out;
   }
 
   std::string caption() const {
@@ -144,11 +160,13 @@ class PadBuilder {
         "the cells that stick. Second map: the pad with its tactels, σ_z at the base as colour (σ_z < 0 is "
         "compression){}, and the outline of the contact. Dashed: the part of the indenter below the undeformed "
         "surface. x′ and y′ are its own axes; the cuts run along them. Colours and arrows have one scale for all "
-        "steps. M is about the indenter's axis. {}",
+        "steps. M is about the indenter's axis. {}{}",
         fem::shape_name(scene_.indenter.shape), scene_.sensor.thickness,
         scene_.sensor.layers.empty() ? "" : fmt::format("{} layers, at the surface ", scene_.sensor.layers.size()),
         scene_.sensor.young, scene_.sensor.poisson, scene_.friction, solution_.cells.n, solution_.cells.n,
         scene_.sensor.axes == 3 ? ", arrows are the shear stress τ" : "",
+        scene_.markers ? fmt::format("Third map: displacements of the markers, {} mm below it. ", scene_.markers->depth)
+                       : "",
         steps_left_out(steps_.size(), solution_.steps.size()));
   }
 

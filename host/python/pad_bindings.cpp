@@ -80,6 +80,22 @@ void bind_pad_sensor(py::module_& m) {
       .def_readonly("poisson", &PadIndenter::poisson);
 }
 
+void bind_markers(py::module_& m) {
+  auto markers = value_class<Markers>(m, "Markers", "Marks within the rubber of a pad, which move with it.",
+                                      {"counts", "pitch", "depth", "places"});
+  add_fields(markers);
+  markers.def_readonly("places", &Markers::places, "mm, (x, y) of each; []: on a grid of counts and pitch");
+  markers.def(
+      py::init([](std::array<int, 2> counts, std::variant<double, Pair> pitch, double depth, std::vector<Pair> places) {
+        const double* both = std::get_if<double>(&pitch);
+        return Markers{counts, both ? Pair{*both, *both} : std::get<Pair>(pitch), depth, std::move(places)};
+      }),
+      "counts"_a = std::array{9, 7}, "pitch"_a = 1.0, "depth"_a = 0.25, "places"_a = std::vector<Pair>(),
+      "counts: (along x, along y) about the pad's middle; pitch: mm, one number or (x, y); depth: mm below the "
+      "surface; places: mm, (x, y) of each, in place of counts and pitch.");
+  numbers_class<Camera>(m, "Camera", "A pinhole camera below the middle of a pad, which looks up at its markers.");
+}
+
 void bind_pad_load(py::module_& m) {
   numbers_class<PadLoad>(m, "PadLoad",
                          "The path of an indenter on a pad: a depth or normal force, then drags and twists. See Press "
@@ -106,6 +122,7 @@ PadLoad on_pad(const Load& load) {
 void bind_pads(py::module_& m) {
   bind_pad_shapes(m);
   bind_pad_sensor(m);
+  bind_markers(m);
   bind_pad_load(m);
 }
 

@@ -29,43 +29,6 @@ py::array_t<double> stress_of(const py::object& self, std::vector<double> Paths:
   return view(all.*stress, shape, self);
 }
 
-/// [steps, parameters], or [steps, parameters, tactels].
-auto derivative_grid(std::vector<double> Derivatives::*numbers, bool of_tactels) {
-  return [numbers, of_tactels](const py::object& self) {
-    const auto& d = self.cast<const Derivatives&>();
-    const std::size_t steps = d.distance_to_switch.size(), parameters = d.names.size(), size = (d.*numbers).size();
-    std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(steps), static_cast<py::ssize_t>(parameters)};
-    if (of_tactels) shape.push_back(static_cast<py::ssize_t>(steps * parameters > 0 ? size / (steps * parameters) : 0));
-    return view(d.*numbers, shape, self);
-  };
-}
-
-void bind_derivatives(py::module_& m) {
-  py::class_<Derivatives>(m, "Derivatives", "Derivatives of an answer by the numbers of its scene; arrays are views.")
-      .def_readonly("names", &Derivatives::names, "[parameters] such as \"indenter.radius\"")
-      .def_readonly("units", &Derivatives::units, "[parameters] empty: none")
-      .def_readonly("values", &Derivatives::values, "[parameters]")
-      .def_readonly("missing", &Derivatives::missing, "numbers without a derivative: \"name: reason\"")
-      .def_readonly("answer_difference", &Derivatives::answer_difference,
-                    "largest difference of S between the answer and the exact fp64 path that was differentiated")
-      .def_property_readonly("distance_to_switch", column(&Derivatives::distance_to_switch),
-                             "[steps] relative distance to the nearest change of a status")
-      .def_property_readonly("P", derivative_grid(&Derivatives::P, false), "[steps, parameters] N/mm")
-      .def_property_readonly("Q", derivative_grid(&Derivatives::Q, false), "[steps, parameters] N/mm")
-      .def_property_readonly("slip_index", derivative_grid(&Derivatives::slip_index, false),
-                             "[steps, parameters]; NaN where S is")
-      .def_property_readonly("indentation", derivative_grid(&Derivatives::indentation, false),
-                             "[steps, parameters] mm; 0 but where forces are given")
-      .def_property_readonly("tangential", derivative_grid(&Derivatives::tangential, false), "[steps, parameters] mm")
-      .def_property_readonly("sigma_y", derivative_grid(&Derivatives::sigma_y, true),
-                             "[steps, parameters, tactels] MPa")
-      .def_property_readonly("tau_xy", derivative_grid(&Derivatives::tau_xy, true), "[steps, parameters, tactels] MPa")
-      .def("__repr__", [](const Derivatives& d) {
-        return "<tactel.Derivatives: " + std::to_string(d.distance_to_switch.size()) + " steps, " +
-               std::to_string(d.names.size()) + " parameters>";
-      });
-}
-
 void bind_path(py::module_& m) {
   py::class_<Tactels>(m, "Tactels", "Stress at the tactels; arrays without copies where they come from solve_many.")
       .def_readonly("normal", &Tactels::normal, "[..., tactels] MPa; sigma_y < 0 is compression")
@@ -104,9 +67,6 @@ void bind_path(py::module_& m) {
           "error",
           [](const Path& path) -> OptionalDict { return {path.error ? py::object(to_dict(*path.error)) : py::none()}; },
           "expected error: S absolutely, P, Q and stresses of their largest; None without an estimate")
-      .def_property_readonly(
-          "derivatives", [](const Path& path) { return path.derivatives; },
-          "Derivatives by the scene's numbers, a copy; None unless solve was asked for them")
       .def_readonly("warnings", &Path::warnings)
       .def("__repr__", [](const Path& path) {
         return "<tactel.Path: " + std::to_string(path.steps.size()) + " steps, " + path.model + ">";
@@ -159,26 +119,25 @@ std::vector<Kind> copies_of(const std::vector<const AnyScene*>& scenes) {
   return copies;
 }
 
-/// Binds solve for scenes of a kind. All are solved alike; its types are those of the scene, of its solvers and
-/// derivatives, and of the answer.
-template <Letters scene_type, Letters solvers, Letters derivatives_type, Letters answer>
+/// Binds solve for scenes of a kind. All are solved alike; its types are those of the scene, of its solvers and of the
+/// answer.
+template <Letters scene_type, Letters solvers, Letters answer>
 void bind_solve_of(py::module_& m, const char* doc) {
   m.def(
       "solve",
       [](Typed<const AnyScene*, scene_type> scene, std::optional<double> accuracy, std::string rung,
          Typed<std::string, solvers> solver, Precision precision, std::string device, std::optional<double> tolerance,
-         bool estimate_error, Typed<bool, derivatives_type> derivatives) {
+         bool estimate_error) {
         SolveOptions options{.accuracy = accuracy, .rung = std::move(rung), .solver = solver, .precision = precision};
         options.device = std::move(device), options.tolerance = tolerance;
-        options.estimate_error = estimate_error, options.derivatives = derivatives;
+        options.estimate_error = estimate_error;
         return Typed<std::variant<Path, PadPath>, answer>{without_lock([&] {
           return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); },
                             scene.value->of);
         })};
       },
       py::arg("scene").none(false), py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched",
-      "precision"_a = "", "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false,
-      "derivatives"_a = false, doc);
+      "precision"_a = "", "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false, doc);
 }
 
 }  // namespace
@@ -203,18 +162,17 @@ void bind_convergence(py::module_& m) {
 }
 
 void bind_solve(py::module_& m) {
-  bind_derivatives(m);
   bind_path(m);
   bind_paths(m);
-  bind_solve_of<"_LineScene", "Literal['batched', 'full-mesh', 'reference']", "bool", "Path">(
+  bind_solve_of<"_LineScene", "Literal['batched', 'full-mesh', 'reference']", "Path">(
       m,
       "Solves one contact. Returns a Path, of a pad's scene a PadPath.\n\naccuracy: largest error in S; the planner "
       "chooses the rung. rung: \"patch-12\", \"mesh-81\", \"paper\", \"reference\", ...; of a pad \"pad-8\" to "
       "\"pad-24\", \"reference\".\nsolver: \"batched\" or \"reference\"; of a pad \"batched\" or \"twin\". precision: "
       "\"fp32\" or \"fp64\".\nestimate_error: also solve a finer model, for Path.error; PadPath.error is always there. "
-      "derivatives: also differentiate, for Path.derivatives; not of pads.\nRaises InputError, HardwareError.");
-  bind_solve_of<"_PadScene", "Literal['batched', 'twin']", "Literal[False]", "PadPath">(m, "");
-  bind_solve_of<"Scene", "str", "bool", "Any">(m, "");
+      "\nRaises InputError, HardwareError.");
+  bind_solve_of<"_PadScene", "Literal['batched', 'twin']", "PadPath">(m, "");
+  bind_solve_of<"Scene", "str", "Any">(m, "");
   m.def(
       "_solve_many",
       [](const std::vector<const AnyScene*>& scenes, const py::dict& words, py::object progress) {

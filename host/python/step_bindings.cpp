@@ -62,13 +62,19 @@ auto member(std::vector<Number> StepAnswer::*numbers, py::ssize_t columns) {
   };
 }
 
+/// The stepper of an answer that is its last.
+Stepper& stepper_of(const Answer& answer, const char* name) {
+  Stepper& stepper = answer.stepper();
+  if (answer.step != stepper.made)
+    throw InputError(name, "those of step " + std::to_string(answer.step),
+                     "must be read before the next step, or copied");
+  return stepper;
+}
+
 /// Frames in the device's memory, of which the stepper alone writes.
 py::array_t<float> memory_of_frames(const py::object& self) {
   const Answer& answer = self.cast<const Answer&>();
-  Stepper& stepper = answer.stepper();
-  if (answer.step != stepper.made)
-    throw InputError("frames", "those of step " + std::to_string(answer.step),
-                     "must be read before the next step, or copied");
+  Stepper& stepper = stepper_of(answer, "frames");
   const std::span<const float> frames = without_lock([&] { return stepper.steps.frames(); });
   const auto count = static_cast<py::ssize_t>(stepper.steps.count());
   return py::array_t<float>({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
@@ -78,6 +84,26 @@ py::array_t<float> frames_of_answer(const py::object& self) {
   py::array_t<float> frames = memory_of_frames(self);
   frames.attr("setflags")("write"_a = false);
   return frames;
+}
+
+/// Displacements of markers, in the same memory.
+py::array_t<float> markers_of_answer(const py::object& self) {
+  const Answer& answer = self.cast<const Answer&>();
+  Stepper& stepper = stepper_of(answer, "markers");
+  const std::span<const float> all = without_lock([&] { return stepper.steps.markers(); });
+  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  py::array_t<float> array({count, static_cast<py::ssize_t>(all.size()) / (3 * count), py::ssize_t{3}}, all.data(),
+                           answer.owner);
+  array.attr("setflags")("write"_a = false);
+  return array;
+}
+
+/// Where the camera sees them, a copy.
+py::array_t<float> pixels_of_answer(const Answer& answer) {
+  Stepper& stepper = stepper_of(answer, "pixels");
+  const std::vector<float> all = without_lock([&] { return stepper.steps.pixels(); });
+  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  return py::array_t<float>({count, static_cast<py::ssize_t>(all.size()) / (2 * count), py::ssize_t{2}}, all.data());
 }
 
 Answer answer_of(py::object self, const StepAnswer& answer) {
@@ -155,6 +181,11 @@ void bind_step_answer(py::module_& m) {
           "frames", &frames_of_answer,
           "[count, 3 tactels] MPa, fp32, as networks take them: all sigma_z, then tau_x, then tau_y; "
           "memory of the device where that is the host's, valid until the next step; read-only")
+      .def_property_readonly("markers", &markers_of_answer,
+                             "[count, markers, 3] mm along x, y, z, fp32: displacements of the stepper's markers; "
+                             "memory as of frames; read-only")
+      .def_property_readonly("pixels", &pixels_of_answer,
+                             "[count, markers, 2] where the stepper's camera sees them, a copy")
       .def(
           "__dlpack__",
           [](const py::object& self, const py::kwargs& options) {
@@ -187,23 +218,27 @@ void bind_steps(py::module_& m) {
   stepper
       .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, const GivenXY<int>& cells,
                        const GivenXY<double>& cell, double tolerance, double force_tolerance, int most_solves,
-                       Precision precision, const std::string& device, double object_young, double object_poisson) {
+                       Precision precision, const std::string& device, double object_young, double object_poisson,
+                       std::optional<Markers> markers, std::optional<Camera> camera) {
              StepOptions options;
              options.cells = along_xy(cells), options.cell = along_xy(cell), options.tolerance = tolerance;
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
              options.object_young = object_young, options.object_poisson = object_poisson;
+             options.markers = std::move(markers), options.camera = camera;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
              return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
            "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
-           "object_young"_a = 0.0, "object_poisson"_a = 0.45,
+           "object_young"_a = 0.0, "object_poisson"_a = 0.45, "markers"_a = py::none(), "camera"_a = py::none(),
            "friction: [count], or one number; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
            "[x, y]; cell: mm, one side or [x, y]; tolerance: of the sweeps; force_tolerance: of a wrench, over P; "
            "most_solves: poses that a step by wrench may solve. By default cells cover a pad whose sides are free, "
            "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free. "
-           "object_young: MPa, of soft objects, 0 for rigid ones; object_poisson: of soft ones.")
+           "object_young: MPa, of soft objects, 0 for rigid ones; object_poisson: of soft ones; markers, camera: "
+           "answers "
+           "have the displacements of these markers, and the pixels where the camera sees them.")
       .def("__len__", [](const Stepper& self) { return self.steps.count(); })
       .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
       .def_property_readonly(

@@ -65,7 +65,8 @@ template <class T>
 void read_numbers(TomlTable& in, T& into, bool complete) {
   fem::each_number<T>([&]<class Value>(const fem::Number<T, Value>& number) {
     bool there = false;
-    if constexpr (std::is_same_v<T, fem::PadSensor> && std::is_same_v<Value, std::array<double, 2>>)
+    if constexpr ((std::is_same_v<T, fem::PadSensor> ||
+                   std::is_same_v<T, Markers>)&&std::is_same_v<Value, std::array<double, 2>>)
       there = read_pitch(in, number.key, into.*number.member, number.allowed);
     else
       there = read_number(in, number.key, into.*number.member, number.allowed);

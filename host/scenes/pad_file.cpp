@@ -114,6 +114,26 @@ void read_pad_load(const TomlFile& file, fem::PadLoad& load) {
   in.finish();
 }
 
+void read_markers(const TomlFile& file, std::optional<Markers>& markers) {
+  TomlTable in(file, "markers");
+  markers.emplace();
+  const char* places = "the name of a CSV file with x and y in mm, or an array of places [x, y], at least one";
+  if (in.has("places"))
+    for (const char* grid : {"counts", "pitch"}) in.only_one({"places", grid});
+  read_numbers(in, *markers, false);
+  if (std::string name; in.has_text("places") && in.read("places", name, places))
+    read_places_csv(file.path().parent_path() / name, markers->places);
+  else if (in.read("places", markers->places, places) && markers->places.empty())
+    in.refuse("places", places);
+  in.finish();
+}
+
+void read_camera(const TomlFile& file, std::optional<Camera>& camera) {
+  TomlTable in(file, "camera");
+  read_numbers(in, camera.emplace(), false);
+  in.finish();
+}
+
 }  // namespace
 
 bool is_pad(const TomlFile& file) { return TomlTable(file, "sensor").read_choice("kind", sensor_kinds) == 1u; }
@@ -124,12 +144,14 @@ fem::PadScene read_pad(const TomlFile& file) {
   read_title(root, scene.title);
   root.refuse_any({"preset"}, left_out_of_a_pad);
   root.refuse_any({"sweep"}, "left out: a scene is one contact; `tactel generate` takes sweeps");
-  for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);
+  for (const char* table : {"sensor", "indenter", "contact", "load", "markers", "camera"}) root.expect_table(table);
   root.finish();
   read_pad_sensor(file, scene.sensor);
   read_pad_indenter(file, scene.indenter);
   read_pad_friction(file, scene.friction);
   read_pad_load(file, scene.load);
+  if (root.has("markers")) read_markers(file, scene.markers);
+  if (root.has("camera")) read_camera(file, scene.camera);
   try {
     scene.validate();
   } catch (const ValueError& error) {

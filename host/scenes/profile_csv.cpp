@@ -48,4 +48,13 @@ void read_heights_csv(const std::filesystem::path& path, fem::HeightMap& map) {
   map.heights.array() -= map.heights.minCoeff();
 }
 
+void read_places_csv(const std::filesystem::path& path, std::vector<std::array<double, 2>>& places) {
+  NumberLines lines(path.string(),
+                    {.count = 2, .meaning = "x and y in mm", .names = {"x", "y"}, .largest = highest, .quotes = false});
+  read_number_file(path, largest_table, "markers.places", lines, [&](std::span<const double> place) {
+    places.push_back({place[0], place[1]});
+  });
+  if (places.empty()) throw ConfigError(path.string(), "places", "0", "a line of x and y in mm for each marker");
+}
+
 }  // namespace tactel::host

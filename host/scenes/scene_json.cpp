@@ -119,6 +119,15 @@ SceneJson scene_json(const Scene& scene) {
 }  // namespace
 
 SceneJson to_json(const fem::Scene& scene) { return scene_json(scene); }
-SceneJson to_json(const fem::PadScene& scene) { return scene_json(scene); }
+SceneJson to_json(const fem::PadScene& scene) {
+  SceneJson out = scene_json(scene);
+  if (scene.markers) {
+    add_numbers(out["markers"], *scene.markers);
+    if (!scene.markers->places.empty())
+      out["markers"].erase("counts"), out["markers"].erase("pitch"), out["markers"]["places"] = scene.markers->places;
+  }
+  if (scene.camera) add_numbers(out["camera"], *scene.camera);
+  return out;
+}
 
 }  // namespace tactel::host

@@ -198,7 +198,6 @@ TEST(PadSolveApi, RefusesOptionsThatCannotBe) {
   EXPECT_THAT(message_of([] { solve(sphere_drag(), {.rung = "patch-12"}); }),
               HasSubstr("rung: patch-12; must be a rung of pads"));
   EXPECT_THAT(message_of([] { solve(sphere_drag(), {.precision = "fp16"}); }), HasSubstr("precision: fp16"));
-  EXPECT_THAT(message_of([] { solve(sphere_drag(), {.derivatives = true}); }), HasSubstr("derivatives: true"));
   const std::vector<PadScene> scenes = {sphere_drag()};
   EXPECT_THAT(message_of([&] { solve_many(scenes, {.rung = "reference"}); }), HasSubstr("rung: reference"));
   EXPECT_THAT(message_of([&] { solve_many(scenes, {.solver = "twin"}); }), HasSubstr("solver: twin"));

@@ -75,6 +75,63 @@ class Values(unittest.TestCase):
         pressed = tactel.solve(scene.with_(load=tactel.Press(0.2)), precision="fp64").P[-1]
         self.assertAlmostEqual(steps.move([[0.2, 0, 0, 0]]).force[0, 0] / pressed, 1, delta=0.03)
 
+    def test_markers(self):
+        markers, camera = tactel.Markers((3, 2), 0.8, 0.3), tactel.Camera(20.0, 10.0, (320.0, 240.0))
+        self.assertEqual(markers.pitch, [0.8, 0.8])
+        scene = SPHERE.with_(markers=markers, camera=camera)
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+        for one in (markers, camera):
+            self.assertEqual(eval(repr(one), vars(tactel)), one)
+        self.assertIsNone(SPHERE.markers)
+        places = [[x, y] for y in (-0.4, 0.4) for x in (-0.8, 0, 0.8)]
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "markers.toml"
+            for one in (scene, SPHERE.with_(markers=tactel.Markers(depth=0.3, places=places))):
+                file.write_text(one.toml())
+                self.assertEqual(tactel.read_scene(file), one)
+        path = tactel.solve(scene, precision="fp64")
+        self.assertEqual(path.markers.shape, (len(path), 6, 3))
+        at = tactel.solve(SPHERE.with_(markers=tactel.Markers(depth=0.3, places=places)), precision="fp64")
+        np.testing.assert_array_equal(path.markers, at.markers)
+        self.assertEqual(at.pixels.shape, (len(path), 0, 2))
+        u = path.markers
+        expected = np.array([320, 240]) + 10 * (np.array(places) + u[..., :2] - np.array(places) * u[..., 2:] / 20)
+        np.testing.assert_allclose(path.pixels, expected, atol=1e-9)
+        for wrong, fix in ((SPHERE.with_(camera=camera), "camera.*given with"), (SPHERE.with_(markers=tactel.Markers(depth=9.0)), "markers.depth")):
+            with self.assertRaisesRegex(tactel.InputError, fix):
+                wrong.validate()
+        with self.assertRaisesRegex(tactel.InputError, r"scenes\[1\].markers"):
+            tactel.solve_many([SPHERE, scene])
+        with self.assertRaisesRegex(tactel.InputError, "markers.*no Pad"):
+            tactel.Scene(markers=markers)
+
+    def test_steps_of_markers(self):
+        """Below the middle of a ball that sticks they move with it, nearly; a step by cells of a scene is the scene."""
+        pad = SPHERE.sensor
+        markers = tactel.Markers((5, 3), 0.6, 0.2)
+        steps = tactel.PadStepper(pad, 2, 1.0, cells=16, cell=0.25, markers=markers, camera=tactel.Camera(20.0, 10.0))
+        again = pickle.loads(pickle.dumps(steps))
+        scene = SPHERE.with_(indenter=tactel.Sphere(8.0), friction=1.0, markers=markers, load=tactel.Press(0.2).drag((0.03, 0.02), 1))
+        path = tactel.solve(scene, precision="fp64")
+        for stepper in (steps, again):
+            stepper.shapes(tactel.Sphere(8.0))
+            pressed = stepper.move([[0.2, 0, 0, 0], [0.1, 0, 0, 0]])
+            self.assertEqual(pressed.markers.shape, (2, 15, 3))
+            # Cells fixed to the pad beside cells fitted to the contact: 4 % of the depth.
+            np.testing.assert_allclose(pressed.markers[0], path.markers[0], atol=0.008)
+            out = stepper.move([[0.2, 0.03, 0.02, 0], [0.1, 0, 0, 0]])
+            np.testing.assert_allclose(out.markers[0], path.markers[1], atol=0.008)
+            self.assertEqual(out.pixels.shape, (2, 15, 2))
+            with self.assertRaisesRegex(tactel.InputError, "before the next step"):
+                pressed.markers
+        plain = tactel.PadStepper(pad, 1, 1.0, cells=16, cell=0.25)
+        plain.shapes(tactel.Sphere(8.0))
+        self.assertEqual(plain.move([[0.2, 0, 0, 0]]).markers.shape, (1, 0, 3))
+        with self.assertRaisesRegex(tactel.InputError, "camera"):
+            tactel.PadStepper(pad, 1, 1.0, camera=tactel.Camera())
+        with self.assertRaisesRegex(tactel.InputError, "markers.depth"):
+            tactel.PadStepper(pad, 1, 1.0, markers=tactel.Markers(depth=5.0))
+
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""
         scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))
@@ -120,7 +177,6 @@ class Errors(unittest.TestCase):
                 ("sensor.poisson", "0.6", "0.5", lambda: tactel.solve(SPHERE.with_(sensor=PAD.with_(poisson=0.6)))),
                 ("load.twist", "2 twists", "positions, 1", lambda: tactel.solve(
                     SPHERE.with_(load=tactel.Press(0.1).drag_to([(1, 1)], twist=[1, 2])))),
-                ("derivatives", "true", "left out", lambda: tactel.solve(SPHERE, derivatives=True)),
                 ("rung", "patch-12", "pad-12", lambda: tactel.solve(SPHERE, rung="patch-12")),
                 ("scenes[1]", "other kind", "all Sensor or all Pad", lambda: tactel.solve_many([SPHERE, tactel.Scene()])),
                 ("scenes[1]", "other kind", "all Sensor or all Pad", lambda: tactel.solve_many([tactel.Scene(), SPHERE])),

@@ -80,20 +80,6 @@ class Values(unittest.TestCase):
         self.assertEqual(profile.y, [0.2, 0.05, 0, 0.05, 0.2])
 
 
-class DerivativesOfAScene(unittest.TestCase):
-    def test_agree_with_differences_of_answers(self):
-        on_patch = PARABOLA.with_(load=tactel.Press(0.1).drag(0.02, steps=2))
-        path = tactel.solve(on_patch, precision="fp64", derivatives=True)
-        d = path.derivatives
-        self.assertEqual(d.P.shape, (len(path), len(d.names)))
-        self.assertEqual(d.sigma_y.shape, (len(path), len(d.names), len(path.tactel_x)))
-        k, step = d.names.index("contact.friction"), 1e-3
-        near = [tactel.solve(on_patch.with_(friction=0.5 + s), precision="fp64").slip_index for s in (step, -step)]
-        # The square of the step, and the sweeps' tolerance over it.
-        np.testing.assert_allclose(d.slip_index[:, k], (near[0] - near[1]) / (2 * step), atol=2e-4)
-        self.assertIsNone(tactel.solve(on_patch).derivatives)
-
-
 class Errors(unittest.TestCase):
     def test_names_key_and_range(self):
         with self.assertRaises(tactel.InputError) as raised:
@@ -120,8 +106,6 @@ class Errors(unittest.TestCase):
             with self.assertRaisesRegex(tactel.InputError, f"load.{key}: .*; must be at most 100000 load steps"):
                 tactel.solve(PARABOLA.with_(load=load))
         PARABOLA.with_(load=tactel.Press([0.1] * 1000, steps=100)).validate()
-        with self.assertRaisesRegex(tactel.InputError, "derivatives: 1001 load steps, 1001 of them listed"):
-            tactel.solve(PARABOLA.with_(load=tactel.Press(0.15).drag_to([0.01] * 1000)), derivatives=True)
 
     def test_a_file_that_is_not_there(self):
         for call in (tactel.read_scene, tactel.Sweep, tactel.read_set, tactel.SlipEstimator.load):

@@ -51,6 +51,23 @@ inline Pad with_layers(Pad pad) {
   return pad;
 }
 
+/// Marks within the rubber of a pad, which move with it. They lie on a grid about the pad's middle, or at places.
+struct Markers {
+  std::array<int, 2> counts{9, 7};              ///< along x and y
+  std::array<double, 2> pitch{1.0, 1.0};        ///< mm, from marker to marker
+  double depth = 0.25;                          ///< mm below the surface: 0 <= depth < thickness
+  std::vector<std::array<double, 2>> places{};  ///< mm on the pad, in place of counts and pitch
+  bool operator==(const Markers&) const = default;
+};
+
+/// A pinhole camera below the middle of a pad, which looks up at its markers through the rubber.
+struct Camera {
+  double distance = 20.0;              ///< mm, from the pinhole to the plane of the markers
+  double pixels_per_mm = 20.0;         ///< in that plane
+  std::array<double, 2> centre{0, 0};  ///< pixels: image of the pad's middle
+  bool operator==(const Camera&) const = default;
+};
+
 // Shapes of an indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
 
 /// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.

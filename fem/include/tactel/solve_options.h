@@ -14,7 +14,6 @@ struct SolveOptions {
   std::string device{};     ///< name or index of an OpenCL device; empty: the default device
   std::optional<double> tolerance{};  ///< largest relative residual that counts as converged; none: the solver's own
   bool estimate_error = false;        ///< of solve(): also solve a finer model, for Path::error
-  bool derivatives = false;           ///< of solve(): also differentiate, for Path::derivatives
 };
 
 }  // namespace tactel

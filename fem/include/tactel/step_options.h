@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad_scene.h>
+
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace tactel {
@@ -28,8 +31,10 @@ struct StepOptions {
   int most_solves = 16;           ///< poses that a step by wrench may solve
   double object_young = 0;        ///< MPa, of the objects, as of PadIndenter; 0: rigid
   double object_poisson = 0.45;
-  std::string precision{};  ///< "fp32", "fp64"; empty: fp32
-  std::string device{};     ///< name or index of an OpenCL device; empty: the default device
+  std::string precision{};           ///< "fp32", "fp64"; empty: fp32
+  std::string device{};              ///< name or index of an OpenCL device; empty: the default device
+  std::optional<Markers> markers{};  ///< whose displacements steps have
+  std::optional<Camera> camera{};    ///< that sees them
 };
 
 /// What a step says of a contact, a sum of these.

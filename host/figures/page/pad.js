@@ -82,7 +82,12 @@ class PadView extends StepView {
     const windows = [square(around(this.rim()), 0.05), square(around([...this.sides().map(nearby), ...this.rim()]), 0.04)],
       heights = windows.map(w => mapHeight(each, w));
     const height = k => columns === 1 ? heights[k] : Math.max(...heights);
-    this.stage.replaceChildren(grid(columns, this.surface(mapAxes(each, height(0), windows[0], "On the surface"), step), this.pad(mapAxes(each, height(1), windows[1], "What the tactels feel"), step)));
+    const maps = [this.surface(mapAxes(each, height(0), windows[0], "On the surface"), step), this.pad(mapAxes(each, height(1), windows[1], "What the tactels feel"), step)];
+    if (data.markers) {
+      const window = square(around([...data.markers, ...this.rim()]), 0.04);
+      maps.push(this.markers(mapAxes(each, mapHeight(each, window), window, "How the markers move"), step));
+    }
+    this.stage.replaceChildren(grid(columns, ...maps));
     const q = this.quantities[this.quantity];
     this.bar.replaceChildren(scaleBar("sequential", [0, q.most || 1], [q.unit, q.name].filter(Boolean).join(", ")));
     const parts = [this.cutAlong(0, each, step), this.cutAlong(1, each, step)];
@@ -176,10 +181,10 @@ class PadView extends StepView {
       ...(status === "o" ? [] : [`p ${number(step.p[k])} MPa`, `t_x ${number(step.tx[k], 3)}, t_y ${number(step.ty[k], 3)} MPa`, `|t| ${number(shear, 3)} MPa, |t| / µp ${fixed(used, 3)}`])]);
   }
   keys(...parts) { return html("div", { class: "legend" }, ...parts.flatMap(p => p.classList.contains("legend") ? [...p.childNodes] : [p])); }
-  arrowKey(most, long, name) {
+  arrowKey(most, long, name, unit = "MPa") {
     if (!(most > 0)) return html("span", {});
     const value = roundBelow(most), arrow = arrowPaths(1, 6, 1 + long * value, 6, 6, 0), wide = Math.ceil(long * value) + 4;
-    return html("span", {}, svg("svg", { width: wide, height: 12 }, svg("path", { d: arrow.shaft, stroke: ink("ink"), "stroke-width": 1.4 }), svg("path", { d: arrow.head, fill: ink("ink") })), `${name}: ${number(value)} MPa`);
+    return html("span", {}, svg("svg", { width: wide, height: 12 }, svg("path", { d: arrow.shaft, stroke: ink("ink"), "stroke-width": 1.4 }), svg("path", { d: arrow.head, fill: ink("ink") })), `${name}: ${number(value)} ${unit}`);
   }
 
   // Corners of the pad, or of the part of it that the tactels take.
@@ -214,6 +219,21 @@ class PadView extends StepView {
     });
     const bar = scaleBar("diverging", [-data.most.sigma || -1, data.most.sigma || 1], "MPa, σ_z");
     return html("div", {}, this.keys(bar, ...(measured === 3 ? [this.arrowKey(data.most.tau, long, "τ")] : [])), node);
+  }
+  // Markers where they rest, with arrows along the pad and colours of u_z.
+  markers(axes, step) {
+    const { markers, most } = this.data, { node, inner, path } = this.map(axes, `Markers at load step ${step.number}`, true), [x, y, z] = step.u;
+    const colour = colouring("diverging", [-most.w || -1, most.w || 1]), [wide, tall] = around(markers).map(([low, high]) => high - low);
+    const apart = Math.sqrt(Math.max(wide * tall, 1e-3 * Math.max(wide, tall) ** 2) / markers.length) || 1, long = 0.9 * apart * axes.scale / (most.u || 1);
+    let shafts = "", heads = "";
+    inner.append(...this.indenter(path, 2 * (axes.right - axes.left) / axes.scale, [0, 0]));
+    markers.forEach((place, k) => {
+      const [px, py] = [axes.x(place[0]), axes.y(place[1])], arrow = arrowPaths(px, py, px + long * x[k], py - long * y[k], 6);
+      inner.append(svg("circle", { cx: px, cy: py, r: 4.5, fill: css(colour(z[k])), stroke: ink("faint"), "stroke-width": 0.8 }));
+      if (arrow) { shafts += arrow.shaft; heads += arrow.head; }
+    });
+    inner.append(svg("path", { d: shafts, fill: "none", stroke: ink("ink"), "stroke-width": 1.4 }), svg("path", { d: heads, fill: ink("ink") }));
+    return html("div", {}, this.keys(scaleBar("diverging", [-most.w || -1, most.w || 1], "mm, u_z"), this.arrowKey(most.u, long, "u", "mm")), node);
   }
   // Size that torques are drawn in: the largest, at least a twentieth of what the grip can bear.
   mostTorque() {

@@ -182,7 +182,7 @@ TEST(Completion, GoesOnBehindEqualSignsAndColons) {
 }
 
 TEST(Completion, GoesOnAfterAnOptionWithoutValue) {
-  EXPECT_EQ(completed("solve --derivatives examples/par", 3), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("solve --converge examples/par", 3), "examples/parabola.toml\n");
   EXPECT_EQ(completed("solve --quiet --pr", 3), "--precision\n");
 }
 

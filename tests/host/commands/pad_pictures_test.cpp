@@ -82,7 +82,6 @@ TEST(PadPictures, AreOfTheStepNamed) {
   for (const double shear : array_of(text_of(field), "status")) EXPECT_LT(shear, 2);  // pressed alone: all stick
   EXPECT_TRUE(is_refused(run_tactel({"solve", twisted, "--step", "7", "--html", page}), {"--step", "1 to 6"}));
   EXPECT_TRUE(is_refused(run_tactel({"solve", twisted, "--plot", folder / "a.gif"}), {"--plot", ".svg, .png or .pdf"}));
-  EXPECT_TRUE(is_refused(run_tactel({"solve", twisted, "--derivatives"}), {"--derivatives", "pad"}));
 }
 
 }  // namespace

@@ -30,34 +30,9 @@ std::vector<std::string> keys(const json& object) {
   return names;
 }
 
-TEST(SolveCommand, DerivativesStandInTheJson) {
-  const auto solve = [](const std::string& rung, bool derivatives) {
-    std::vector<std::string> call = {"solve", source_file("examples/cylinder.toml"), "--json", "-", "--quiet"};
-    if (!rung.empty()) call.insert(call.end(), {"--rung", rung});
-    if (derivatives) call.emplace_back("--derivatives");
-    return run_tactel(call);
-  };
-  const json plain = json::parse(solve("", false).out), answer = json::parse(solve("", true).out);
-  EXPECT_FALSE(plain.contains("derivatives"));
-  EXPECT_EQ(plain["steps"], answer["steps"]);
-  const json& d = answer["derivatives"];
-  EXPECT_THAT(keys(d), testing::UnorderedElementsAre("parameters", "missing", "answer_difference", "steps"));
-  EXPECT_LT(d["answer_difference"].get<double>(), 1e-5);  // sweeps to 1e-7 against the exact path
-  ASSERT_EQ(d["steps"].size(), answer["steps"].size());
-  std::map<std::string, std::size_t> index;
-  for (const json& p : d["parameters"]) index.emplace(p["name"], index.size());
-  for (const char* name : {"indenter.radius", "indenter.position", "contact.friction", "sensor.young", "sensor.poisson",
-                           "sensor.thickness", "load.indentation"})
-    EXPECT_TRUE(index.contains(name)) << name;
-  // Stresses are linear in E where the depth is given.
-  const json &step = answer["steps"].back(), &by = d["steps"].back();
-  const double young = answer["scene"]["sensor"]["young"];
-  EXPECT_NEAR(by["P"][index["sensor.young"]].get<double>(), step["P"].get<double>() / young, 1e-5);
-  EXPECT_NEAR(by["sigma_y"][index["sensor.young"]][10].get<double>(), step["sigma_y"][10].get<double>() / young, 1e-5);
-
-  EXPECT_TRUE(is_refused(solve("reference", true), {"--derivatives"}));
-  EXPECT_TRUE(is_refused(run_tactel({"solve", parabola, "--derivatives"}), {"--json"}));
-  EXPECT_EQ(run_tactel({"solve", parabola, "--json", "-", "--derivatives"}).exit_code, 0);  // on a mesh
+TEST(SolveCommand, DerivativesAreOfPython) {
+  EXPECT_TRUE(is_refused(run_tactel({"solve", parabola, "--json", "-", "--derivatives"}),
+                         {"--derivatives", "differences of two answers"}));
 }
 
 TEST(SolveCommand, ConvergeJudgesTheStepBesideSmallerCells) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_step.h"
 #include "fem/value_error.h"
 #include "tests/host/contact/stepped.h"
@@ -33,7 +34,7 @@ void put(PadStepper<Real>& steps, const fem::PadSensor& pad, const fem::PadInden
   steps.set_axes(place);
 }
 
-constexpr StepOptions oblong{
+const StepOptions oblong{
     .cells = {6, 9}, .cell = {0.42, 0.26}, .tolerance = 1e-8, .force_tolerance = 1e-6, .most_sweeps = 2000};
 
 /// Frames are those of the tractions by the layer's kernels.
@@ -44,6 +45,45 @@ void expect_frames_of_tractions(PadStepper<double>& steps, const fem::PadSensor&
   const Eigen::VectorXd expected = base * Eigen::Map<const Eigen::VectorXd>(tractions.data(), 3 * cells.count());
   for (Eigen::Index r = 0; r < expected.size(); ++r)
     EXPECT_NEAR(steps.frames()[static_cast<std::size_t>(r)], expected[r], 1e-9 * expected.cwiseAbs().maxCoeff());
+}
+
+TEST(PadStepGrid, MarkersAreMovedByTractions) {
+  StepOptions options = oblong;
+  options.markers = Markers{.counts = {4, 3}, .pitch = {0.6, 0.5}, .depth = 0.3};
+  fem::PadScene scene;
+  scene.sensor = rubber;
+  constexpr std::size_t count = 5;
+  PadStepper<double> steps(executor(), rubber, count, std::array{0.5}, options);
+  PadStepper<float> single(executor(), rubber, count, std::array{0.5}, options);
+  const auto step = [&](auto& of, double drag) {
+    std::vector<double> poses;
+    for (std::size_t c = 0; c < count; ++c) {
+      of.set_surface(c, fem::pad_surface(of.cells(), {.shape = fem::Sphere{6}}, {0, 0}, 0));
+      poses.insert(poses.end(), {0.03 * static_cast<double>(c), drag, 0.5 * drag, 0});
+    }
+    of.move(poses);
+  };
+  const Eigen::MatrixXd rows = fem::marker_rows(*options.markers, scene, steps.cells());
+  for (const double drag : {0.0, 0.04}) {
+    step(steps, drag), step(single, drag);
+    const std::vector<double> tractions = steps.tractions();
+    ASSERT_EQ(steps.markers().size(), count * 36);
+    for (std::size_t c = 0; c < count; ++c) {
+      const Eigen::Index cells = 3 * steps.cells().count();
+      const Eigen::VectorXd expected =
+          rows * Eigen::Map<const Eigen::VectorXd>(&tractions[c * static_cast<std::size_t>(cells)], cells);
+      EXPECT_EQ(expected.isZero(0), c == 0);  // the first does not touch
+      for (std::size_t r = 0; r < 36; ++r) {
+        EXPECT_NEAR(steps.markers()[36 * c + r], expected[static_cast<Eigen::Index>(r)], 1e-12);
+        EXPECT_NEAR(single.markers()[36 * c + r], expected[static_cast<Eigen::Index>(r)], 2e-4 * 0.12);  // of the depth
+      }
+    }
+  }
+  EXPECT_TRUE(PadStepper<double>(executor(), rubber, 1, std::array{0.5}, oblong).markers().empty());
+  options.markers->depth = rubber.thickness;
+  EXPECT_THROW(PadStepper<float>(executor(), rubber, 1, std::array{0.5}, options), ValueError);
+  options.markers.reset(), options.camera.emplace();
+  EXPECT_THROW(PadStepper<float>(executor(), rubber, 1, std::array{0.5}, options), ValueError);
 }
 
 TEST(PadStepGrid, AgreesWithItsTwin) {

@@ -111,6 +111,12 @@ TEST(PadFile, WhatIsLeftOutTakesItsDefault) {
                                      .sensor;
   EXPECT_EQ(layered.layers, (std::vector<RubberLayer>{{3, 1, 0.45}, {0.5, 10, 0.4}}));
   EXPECT_EQ(std::tuple(layered.thickness, layered.young, layered.poisson), std::tuple(3.5, 10.0, 0.4));
+  const fem::PadScene marked = read_text(
+      pad_text("shape = \"cone\"\nangle = 80",
+               "indentation = 0.1\n[markers]\ncounts = [3, 2]\npitch = 0.5\n[camera]\ndistance = 30", "thickness = 2"));
+  EXPECT_EQ(marked.markers, (Markers{.counts = {3, 2}, .pitch = {0.5, 0.5}}));
+  EXPECT_EQ(marked.camera, Camera{.distance = 30});
+  EXPECT_FALSE(scene.markers || scene.camera);
   EXPECT_EQ(scene.friction, 0.5);
   EXPECT_EQ(scene.indenter.position, (std::array{0.0, 0.0}));
   EXPECT_TRUE(scene.load.drags.empty());
@@ -207,6 +213,22 @@ struct WrongPad {
   std::string says;                    ///< after the file's name
 };
 
+TEST(PadFile, PlacesOfMarkersMayStandInAFile) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "scene.toml") << pad_text(
+      "shape = \"cone\"\nangle = 80", "indentation = 0.1\n[markers]\nplaces = \"dots.csv\"", "thickness = 2");
+  const auto read = [&](const std::string& csv) {
+    std::ofstream(folder / "dots.csv") << csv;
+    return std::get<fem::PadScene>(read_any_scene(folder / "scene.toml")).markers->places;
+  };
+  EXPECT_EQ(read("x,y\n0,1.5\n-2,0.25\n"), (std::vector<std::array<double, 2>>{{0, 1.5}, {-2, 0.25}}));
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5,1\n0.5,a\n"); }), HasSubstr("dots.csv:2: y = "));
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read("x,y\n"); }), HasSubstr("dots.csv: places = 0"));
+  std::filesystem::remove(folder / "dots.csv");
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(folder / "scene.toml"); }),
+              HasSubstr("a readable CSV file"));
+}
+
 TEST(PadFile, SaysWhatIsWrong) {
   const std::string line = "it belongs to a line, and sensor.kind is \"pad\"";
   const WrongPad wrong[] = {
@@ -262,6 +284,12 @@ TEST(PadFile, SaysWhatIsWrong) {
       {"layers = []", "", "", ":3: sensor.layers = []: must be tables [[sensor.layers]]"},
       {"length = 20\nwidth = 20\n[[sensor.layers]]\nthickness = 1\nyoung = 1", "", "",
        "must be left out where sides are free"},
+      {"", "", "indentation = 1\n[markers]\ncounts = 3", ":10: markers.counts = 3"},
+      {"", "", "indentation = 1\n[markers]\nplaces = []", ":10: markers.places = []: must be the name of a CSV file"},
+      {"", "", "indentation = 1\n[markers]\nplaces = [[0, 1]]\npitch = 1", "markers.p"},
+      {"", "", "indentation = 1\n[markers]\ndepth = 7", "markers.depth = 7: must be mm below the surface"},
+      {"", "", "indentation = 1\n[markers]\nwide = 7", ":10: markers.wide"},
+      {"", "", "indentation = 1\n[camera]\ndistance = 20", "camera = without markers: must be given with [markers]"},
       {"", "", "tangential_steps = 3", ": load.indentation = (missing)"},
       {"", "", "indentation = []", ":8: load.indentation = []"},
       {"", "", "indentation = -1", ":8: load.indentation = -1"},

@@ -82,6 +82,8 @@ struct PadScene {
   PadIndenter indenter{};
   double friction = 0.5;  ///< mu, 0 to 100
   PadLoad load{};
+  std::optional<Markers> markers{};  ///< none: answers have no displacements of markers
+  std::optional<Camera> camera{};    ///< of markers; none: answers have no pixels
 };
 
 /// Reads the scene file of a pad (TOML). Throws InputError with file, line, key, value and what is allowed.
@@ -113,6 +115,8 @@ struct PadStep {
   std::vector<double> normal_force;                     ///< [cells] N, >= 0 presses
   std::vector<std::array<double, 2>> tangential_force;  ///< [cells] N along x, y
   std::vector<double> sigma_z, tau_x, tau_y;            ///< [tactels along y][along x] MPa; sigma_z < 0 is compression
+  std::vector<std::array<double, 3>> markers;           ///< [markers] mm: displacements along x, y, z of the scene's
+  std::vector<std::array<double, 2>> pixels;            ///< [markers] where the scene's camera sees them
   bool converged = false;
   int iterations = 0;  ///< sweeps
   PadResidual residual;
@@ -146,7 +150,7 @@ struct PadPath {
 };
 
 /// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or
-/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Throws InputError, also for a
+/// "twin" (fp64 without a device). Every answer states its error. Throws InputError, also for a
 /// contact nearer than its thickness to an edge of a pad whose sides are held, and HardwareError.
 TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
 

@@ -66,6 +66,10 @@ class TACTEL_API PadStepper {
   /// Frames of the last step, [count, 3, tactels] MPa: sigma_z, tau_x, tau_y, tactels with x fastest. In fp32 on a
   /// processor they are the device's own memory. Valid until the next step.
   std::span<const float> frames();
+  /// Displacements of the markers after the last step, [count, markers, 3] mm along x, y, z; empty without markers.
+  /// Valid as frames().
+  std::span<const float> markers();
+  std::vector<float> pixels();            ///< [count, markers, 2] where the camera sees them; empty without a camera
   std::vector<double> tractions() const;  ///< [count, 3, cells] MPa: n, t_x, t_y
 
   void reset();                                    ///< as if nothing had touched: all contacts

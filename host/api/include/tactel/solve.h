@@ -41,18 +41,6 @@ struct ExpectedError {
   std::string finer;  ///< the model of comparison, "81 x 21"
 };
 
-/// Derivatives of an answer by the numbers of its scene. Arrays have the last index fastest.
-struct Derivatives {
-  std::vector<std::string> names, units;        ///< [parameters] "indenter.radius"; "mm", empty: none
-  std::vector<double> values;                   ///< [parameters]
-  std::vector<std::string> missing;             ///< "sensor.poisson: why it has no derivative"
-  std::vector<double> distance_to_switch;       ///< [steps] relative, to the nearest change of a status; >= 0
-  std::vector<double> P, Q, slip_index;         ///< [steps, parameters] N/mm, N/mm, none; over the parameter's unit
-  std::vector<double> indentation, tangential;  ///< [steps, parameters] mm: 0 but where forces are given
-  std::vector<double> sigma_y, tau_xy;          ///< [steps, parameters, tactels] MPa
-  double answer_difference = 0;  ///< of S, between the answer and the exact fp64 one that was differentiated
-};
-
 /// What solve() keeps for pages and fields. Copies share it.
 class TACTEL_API Outcome {
  public:
@@ -78,7 +66,6 @@ struct Path {
   std::string model, model_reason;               ///< "patch of 12 elements, 2.9 mm wide", and why
   std::string solver, precision, device;
   std::optional<ExpectedError> error;
-  std::optional<Derivatives> derivatives{};
   std::vector<std::string> warnings;
   Outcome outcome{};
 };
