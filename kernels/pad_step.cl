@@ -19,7 +19,7 @@
 
    Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, CELLS_Y, and DENSE (0 | 1): with a table of all
    pairs of cells, where what a cell does depends on its place. */
-// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1
+// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2
 #define STEPPED 1
 #define OWN_TABLES 0
 #include "pad/nearby.h"
@@ -27,7 +27,12 @@
 #include "pad/residual.h"
 #include "pad/splitting.h"
 
-#define STATE_ROWS (STEP_FIELDS * COUNT + STEP_NUMBERS)
+/* CREEP_TERMS, of rubber that creeps: 1 to 4. */
+#ifndef CREEP_TERMS
+#define CREEP_TERMS 0
+#endif
+#define CREEP_AT (STEP_FIELDS * COUNT + STEP_NUMBERS)
+#define STATE_ROWS (CREEP_AT + (CREEP_TERMS > 0 ? 3 * (1 + CREEP_TERMS) * COUNT : 0))
 
 /* A number of 24 bits that heights, covers and mu give: it tells whether they are those of the last step. */
 static vreal mark_of(global const vreal *heights, global const vreal *soft, vreal mu, int v) {
@@ -217,6 +222,16 @@ static inline void mean_slide(const Influence *influence, const Cells *c, const 
             sqrt(LARGER(radius2, ALL_LANES((real)1e-6 * influence->hx * influence->hy)));
 }
 
+static Influence influence_of(global const real *table) {
+#if DENSE
+  global const real *entries = table + PAD_TABLE_HEAD;
+#else
+  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS_Y);
+#endif
+  const Influence influence = {entries, table[PAD_ROOT_ZZ], table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
+  return influence;
+}
+
 /* Rows of `result` of all lanes. */
 OUTLINE void answer(const Influence *influence, global const vreal *input, global const vreal *heights, real accept,
                     real force, real thickness, real reach, int sides, const Cells *c, const State *s, const Search *w,
@@ -279,12 +294,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
                      real force_tolerance, int most_sweeps, int most_solves, real reach, real travel, int sides,
                      global vreal *state, global real *result) {
   TAKE_GROUP(group);
-#if DENSE
-  global const real *entries = table + PAD_TABLE_HEAD;
-#else
-  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS_Y);
-#endif
-  const Influence influence = {entries, table[PAD_ROOT_ZZ], table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
+  const Influence influence = influence_of(table);
   const Stiffness stiff = {kt, kr};
   const size_t vector = group * VECTORS;
   input += vector * STEP_INPUT_ROWS;
@@ -345,6 +355,85 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   remember(&c, &s);
   store(input, heights, soft, &c, &s, &search, by_wrench, missing, state);
 }
+
+#if CREEP_TERMS
+/* What the rubber of a cell has crept to, x, y, z: `own` is its state. */
+static inline void crept_at(global const real *numbers, global const vreal *own, vreal m[3]) {
+  global const vreal *w = own + CREEP_AT;
+  EACH(k, 3) { m[k] = 0; }
+  EACH(t, CREEP_TERMS) {
+    global const real *number = numbers + CREEP_NUMBERS * t;
+    const real e = number[CREEP_E], rest = number[CREEP_B] - e;
+    EACH(k, 3) {
+      m[k] = fma(ALL_LANES(number[CREEP_C]), fma(ALL_LANES(e), w[(3 * t + 3 + k) * COUNT], rest * w[k * COUNT]), m[k]);
+    }
+  }
+}
+
+/* Before a step of rubber that creeps. The contact of the step is an elastic one on heights above what has crept, whose
+   tractions are `softer` times larger. */
+kernel void pad_creep_begin(uint first_group, global const real *table, global const real *numbers, real softer,
+                            global const vreal *heights, global vreal *crept_heights, global vreal *state) {
+  TAKE_GROUP(group);
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    const size_t vector = group * VECTORS + v;
+    ROLLED for (int i = 0; i < COUNT; ++i) {
+      global vreal *own = state + vector * STATE_ROWS + i;
+      vreal m[3];
+      crept_at(numbers, own, m);
+      const vreal h = heights[vector * COUNT + i];
+      crept_heights[vector * COUNT + i] = PICK(h >= PAD_OPEN, h, h - m[2] * table[PAD_ROOT_ZZ]);
+      own[STEP_GX * COUNT] -= m[0];
+      own[STEP_GY * COUNT] -= m[1];
+      own[STEP_UZ * COUNT] = softer * own[CREEP_AT + 2 * COUNT];
+      EACH(k, STEP_GX) { own[k * COUNT] *= softer; }
+    }
+  }
+}
+
+/* After it: the tractions as they are, and what all cells remember of them. */
+kernel void pad_creep_end(uint first_group, global const real *table, global const real *numbers, real softer,
+                          global const vreal *soft, global vreal *state) {
+  TAKE_GROUP(group);
+  const Influence influence = influence_of(table);
+  const real stiffer = 1 / softer;
+  soft += group * VECTORS * COUNT;
+  state += group * VECTORS * STATE_ROWS;
+  Cells c;
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    global const vreal *own = state + v * STATE_ROWS + i;
+    c.n[i].v[v] = own[STEP_N * COUNT];
+    c.tx[i].v[v] = own[STEP_TX * COUNT];
+    c.ty[i].v[v] = own[STEP_TY * COUNT];
+    c.soft[i].v[v] = soft[v * COUNT + i];
+  }
+  list_pressing(&c);
+  ROLLED for (int i = 0; i < COUNT; ++i) {
+    Lanes u[3];
+    displacement(&influence, &c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
+    add_own(&c, i, &u[0], &u[1], &u[2]);
+    ROLLED for (int v = 0; v < VECTORS; ++v) {
+      global vreal *own = state + v * STATE_ROWS + i, *w = own + CREEP_AT;
+      const vint open = c.n[i].v[v] == 0;
+      vreal m[3];
+      crept_at(numbers, own, m);
+      own[STEP_GX * COUNT] = PICK(open, u[0].v[v], own[STEP_GX * COUNT]) + m[0];
+      own[STEP_GY * COUNT] = PICK(open, u[1].v[v], own[STEP_GY * COUNT]) + m[1];
+      EACH(k, STEP_GX) { own[k * COUNT] *= stiffer; }
+      EACH(k, 3) {
+        const vreal last = w[k * COUNT], now = u[k].v[v] * stiffer;
+        EACH(t, CREEP_TERMS) {
+          global const real *number = numbers + CREEP_NUMBERS * t;
+          global vreal *to = w + (3 * t + 3 + k) * COUNT;
+          *to = fma(ALL_LANES(number[CREEP_E]), *to,
+                    fma(number[CREEP_B] - number[CREEP_E], last, (1 - number[CREEP_B]) * now));
+        }
+        w[k * COUNT] = now;
+      }
+    }
+  }
+}
+#endif
 
 /* Stress at the base under the tactels from the tractions of the state, by one matrix of the pad: base [blocks][cells][n,
    t_x, t_y][STEP_FRAME_BLOCK] MPa over a traction of the state, rows sigma_z, tau_x, tau_y of the tactels, with zeros

@@ -112,6 +112,12 @@ void PadContact::set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness) {
   softness_ = std::move(softness);
 }
 
+void PadContact::creep(const Eigen::MatrixX3d& crept, double softer) {
+  for (int i = 0; i < cells_.count(); ++i) height_(i / cells_.ny() + 1, i % cells_.ny() + 1) -= crept(i, 2);
+  stick_ -= crept.leftCols<2>();
+  n_ *= softer, n_last_ *= softer, t_ *= softer, t_last_ *= softer;
+}
+
 Eigen::Vector3d PadContact::displacement_by_table(int ix, int iy) const {
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   for (int jx = 0; jx < cells_.n; ++jx) {

@@ -83,6 +83,11 @@ class PadContact {
   double depth = 0;                      ///< mm, set by the caller
   PadMotion motion = PadMotion::Zero();  ///< since first touch, set by the caller
 
+  /// Before and after an increment in which the rubber creeps: it counts as lower by `crept`, [cells] mm x, y, z, and
+  /// as so many times softer, so that tractions are so many times larger.
+  void creep(const Eigen::MatrixX3d& crept, double softer);
+  const Eigen::MatrixX3d& displacements() const { return u_; }  ///< [cells] mm, by the last fresh sums
+
   const Eigen::VectorXd& n() const { return n_; }   ///< [cells]
   const Eigen::MatrixX2d& t() const { return t_; }  ///< [cells]
   double pressing() const { return n_.sum(); }

@@ -53,10 +53,27 @@ void check_layers(const PadSensor& sensor) {
     check(own == given, member, own, "left out beside sensor.layers");
 }
 
+void check_relaxation(const std::vector<std::array<double, 2>>& terms) {
+  const char* key = "sensor.relaxation";
+  check(terms.size() <= 4, key, static_cast<double>(terms.size()), "4 pairs [share, seconds] at most");
+  double sum = 0;
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto [share, time] = terms[k];
+    check(share > 0 && share < 1, key, share, "shares of E above 0 and below 1");
+    check(time >= 1e-9 && time <= 1e9, key, time, "times in s, 1e-9 to 1e9");
+    for (std::size_t other = 0; other < k; ++other)
+      check(std::abs(time - terms[other][1]) > 1e-6 * time, key, time,
+            "times that differ; add the shares of equal ones");
+    sum += share;
+  }
+  check(sum < 0.999, key, sum, "shares of E whose sum is below 0.999");
+}
+
 }  // namespace
 
 void validate(const PadSensor& sensor) {
   if (!sensor.layers.empty()) check_layers(sensor);
+  check_relaxation(sensor.relaxation);
   check_length("sensor.thickness", sensor.thickness);
   check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young, allowed_young);
   check(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson, allowed_poisson);
@@ -89,6 +106,13 @@ void validate(const PadSensor& sensor) {
   if (free)
     check(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,
           "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
+}
+
+void refuse_creep(const PadSensor& sensor) {
+  if (!sensor.relaxation.empty())
+    throw ValueError(
+        "sensor.relaxation", std::to_string(sensor.relaxation.size()) + " terms",
+        "left out of a path, which has no times: steps have them (PadStepper, dt), and grips (load.hold.rate)");
 }
 
 double fall_of_skin(const PadSensor& sensor, double x, double y) {

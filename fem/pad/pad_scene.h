@@ -23,6 +23,8 @@ using tactel::Sides;
 const char* name(Sides sides);  ///< "free", "held"
 /// Throws ValueError, key "sensor.<member>".
 void validate(const PadSensor& sensor);
+/// Throws ValueError for rubber that creeps, where nothing has times.
+void refuse_creep(const PadSensor& sensor);
 /// Returns how far the skin lies below its middle at a place, mm: (x^2 + y^2) / (2 curvature_radius); 0 where it is
 /// flat.
 double fall_of_skin(const PadSensor& sensor, double x, double y);

@@ -466,6 +466,7 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
 PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
 
 PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) const {
+  refuse_creep(scene.sensor);
   if (layer_.object() != soft_object(scene.sensor, scene.indenter))
     throw std::logic_error("PadSolver: a layer beside another object");
   return PadWalk(layer_, options_, cells, scene).walk();

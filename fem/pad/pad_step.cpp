@@ -37,6 +37,35 @@ SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, c
                                                       std::max(cells.n, cells.ny()));
     contact_ = std::make_unique<PadContact>(*influence_, cells, open, mu, options);
   }
+  if (sensor.relaxation.empty()) return;
+  creep_.emplace(sensor.relaxation);
+  crept_ = elastic_ = Eigen::MatrixX3d::Zero(cells.count(), 3);
+  retarded_.assign(creep_->terms().size(), elastic_);
+}
+
+/// The step's contact is elastic, on rubber that lies where it has crept.
+CreepStep SteppedContact::begin_creep() {
+  if (!creep_) return {};
+  const CreepStep step = creep_->step(dt);
+  crept_.setZero();
+  for (std::size_t k = 0; k < step.terms.size(); ++k) {
+    const auto& [c, e, b] = step.terms[k];
+    crept_ += c * (e * retarded_[k] + (b - e) * elastic_);
+  }
+  contact_->creep(crept_, step.softer);
+  return step;
+}
+
+void SteppedContact::end_creep(const CreepStep& step, SteppedState& s) {
+  if (!creep_) return;
+  const Eigen::MatrixX3d w = contact_->displacements() / step.softer;
+  for (std::size_t k = 0; k < step.terms.size(); ++k) {
+    const auto& [c, e, b] = step.terms[k];
+    retarded_[k] = e * retarded_[k] + (b - e) * elastic_ + (1 - b) * w;
+  }
+  elastic_ = w;
+  contact_->creep(-crept_, 1 / step.softer);
+  s.force /= step.softer;
 }
 
 void SteppedContact::set_surface(const PadSurface& surface, std::array<double, 2> axis) {
@@ -107,16 +136,20 @@ std::pair<double, Eigen::Vector3d> SteppedContact::end_step() {
 
 SteppedState SteppedContact::move(double depth, const PadMotion& motion) {
   const Eigen::Vector4d change = change_to(*contact_, depth, motion);
+  const CreepStep creep = begin_creep();
   int sweeps = 0;
   const bool settled = solve(*contact_, depth, motion, sweeps);
   const auto [slid, mean] = end_step();
   change_ = change;
   SteppedState s = state(1, sweeps, settled);
   s.slid = slid, s.mean = mean;
+  end_creep(creep, s);
   return s;
 }
 
-SteppedState SteppedContact::press(const PadWrench& wrench, double tolerance) {
+SteppedState SteppedContact::press(const PadWrench& asked, double tolerance) {
+  const CreepStep creep = begin_creep();
+  const PadWrench wrench = creep.softer * asked;
   const double lever = cells_.half_size(), scale = difference * sensor_.thickness;
   const Eigen::Vector4d weight(1, 1, 1, 1 / lever), step = Eigen::Vector4d::Constant(scale).cwiseProduct(weight);
   Eigen::Vector4d pose(contact_->depth, contact_->motion[0], contact_->motion[1], contact_->motion[2]);
@@ -162,6 +195,7 @@ SteppedState SteppedContact::press(const PadWrench& wrench, double tolerance) {
   const auto [slid, mean] = end_step();
   SteppedState s = state(solves, sweeps, settled);
   s.met &= met, s.slid = slid, s.mean = mean;
+  end_creep(creep, s);
   return s;
 }
 

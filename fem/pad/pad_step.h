@@ -3,8 +3,11 @@
 #include <Eigen/Dense>
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
+#include "fem/creep.h"
 #include "fem/pad/pad_contact.h"
 #include "fem/pad/pad_solver.h"
 #include "fem/pad/pad_surface.h"
@@ -36,6 +39,9 @@ class SteppedContact {
   SteppedContact(const PadLayer& layer, const PadSensor& sensor, const PadCells& cells, double mu,
                  const PadOptions& options = {});
 
+  /// Seconds that a step takes, of rubber that creeps (PadSensor::relaxation).
+  double dt = 0;
+
   /// What the next step takes: the object over the cells, and its axis.
   void set_surface(const PadSurface& surface, std::array<double, 2> axis = {0, 0});
 
@@ -54,6 +60,8 @@ class SteppedContact {
   PadWrench force(const PadContact& contact) const;
   SteppedState state(int solves, int sweeps, bool settled) const;
   std::pair<double, Eigen::Vector3d> end_step();
+  CreepStep begin_creep();
+  void end_creep(const CreepStep& step, SteppedState& s);
 
   PadSensor sensor_;
   PadCells cells_;
@@ -64,6 +72,9 @@ class SteppedContact {
   std::unique_ptr<PadContact> contact_;
   std::array<double, 2> axis_{};
   Eigen::Vector4d change_ = Eigen::Vector4d::Zero();
+  std::optional<Creep> creep_{};
+  Eigen::MatrixX3d crept_{}, elastic_{};      ///< [cells] mm: m and w of fem/creep.h
+  std::vector<Eigen::MatrixX3d> retarded_{};  ///< [terms][cells] mm: v
 };
 
 }  // namespace tactel::fem

@@ -122,6 +122,7 @@ void pad_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& o
 PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   check_pad_options(options);
   scene.validate();
+  fem::refuse_creep(scene.sensor);
   PadOutcome outcome;
   outcome.scene = scene, outcome.accuracy = options.accuracy;
   PadJudge judge(scene);

@@ -169,6 +169,10 @@ std::vector<double> PadStepper::cell_y() const {
   return all;
 }
 
+void PadStepper::set_dt(double dt) {
+  api::with_public_errors([&] { state_->with([&](auto& of) { of.set_dt(dt); }); });
+}
+
 void PadStepper::set_friction(std::span<const double> friction) {
   api::with_public_errors([&] { state_->with([&](auto& of) { of.set_friction(friction); }); });
 }

@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "fem/accuracy.h"
+#include "fem/creep.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_solver.h"
@@ -105,6 +106,8 @@ void check(const StepOptions& options) {
   positive("tolerance", options.tolerance), positive("force_tolerance", options.force_tolerance);
   if (options.object_young != 0 && !(options.object_young >= 1e-9 && options.object_young <= 1e12))
     throw ValueError("object_young", fmt::format("{}", options.object_young), "1e-9 to 1e12 MPa, or 0 (rigid)");
+  if (!(options.dt >= 0 && options.dt <= 1e12))
+    throw ValueError("dt", fmt::format("{}", options.dt), "seconds, 0 to 1e12");
   if (!(options.object_poisson >= 0 && options.object_poisson <= 0.5))
     throw ValueError("object_poisson", fmt::format("{}", options.object_poisson), "0 to 0.5");
   if (options.most_sweeps < 1) throw ValueError("most_sweeps", std::to_string(options.most_sweeps), "1 or more");
@@ -232,13 +235,11 @@ struct PadStepper<Real>::State {
     const auto threads = static_cast<std::size_t>(executor.threads());
     vectors = wide && cells.count() <= 144 && count >= 4 * width * threads ? 2 : 1;
     places = (count + lanes() - 1) / lanes() * lanes();
-    program.emplace(device, "pad_step.cl",
-                    Defines{{"REAL", real_type(precision)},
-                            {"LANES", std::to_string(width)},
-                            {"CELLS", std::to_string(cells.n)},
-                            {"CELLS_Y", std::to_string(cells.ny())},
-                            {"VECTORS", std::to_string(vectors)},
-                            {"DENSE", std::to_string(!pairs.empty())}});
+    Defines defines{{"REAL", real_type(precision)},       {"LANES", std::to_string(width)},
+                    {"CELLS", std::to_string(cells.n)},   {"CELLS_Y", std::to_string(cells.ny())},
+                    {"VECTORS", std::to_string(vectors)}, {"DENSE", std::to_string(!pairs.empty())}};
+    if (!pad.relaxation.empty()) defines.emplace_back("CREEP_TERMS", std::to_string(pad.relaxation.size()));
+    program.emplace(device, "pad_step.cl", defines);
     wide_from = static_cast<int>(std::ceil(wide_share * cells.count()));
     make_tables(pairs);
     make_arrays();
@@ -248,7 +249,10 @@ struct PadStepper<Real>::State {
   const Device& device() const { return executor.device(); }
   std::size_t lanes() const { return width * static_cast<std::size_t>(vectors); }
   std::size_t cell_count() const { return static_cast<std::size_t>(cells.count()); }
-  std::size_t rows() const { return STEP_FIELDS * cell_count() + STEP_NUMBERS; }
+  std::size_t rows() const {
+    const std::size_t creeps = pad.relaxation.empty() ? 0 : 3 * (1 + pad.relaxation.size()) * cell_count();
+    return STEP_FIELDS * cell_count() + STEP_NUMBERS + creeps;
+  }
   /// Where number `row` of a contact lies in an array of `rows` numbers each.
   std::size_t at(std::size_t contact, std::size_t row, std::size_t rows) const {
     return (contact / width * rows + row) * width + contact % width;
@@ -262,6 +266,7 @@ struct PadStepper<Real>::State {
   void make_launches();
   int rubber_beyond() const;
   void put_input(std::size_t first, std::size_t numbers, std::span<const double> from, std::span<const double> units);
+  void run(const Launch& launch);
   void step(std::span<const double> to, bool by_wrench);
   template <class Number>
   void put_heights(std::size_t contact, const Number* height, const Number* cover, std::span<Real> all,
@@ -294,6 +299,15 @@ struct PadStepper<Real>::State {
     std::unique_ptr<Mapping> view{};
   };
   Sums stresses{}, displacements{};
+
+  /// Of rubber that creeps.
+  struct Creeping {
+    fem::Creep law;
+    Buffer<Real> heights, numbers;  ///< above what has crept; of the step
+    std::optional<Launch> begin{}, end{};
+  };
+  std::optional<Creeping> creep{};
+  double begin_creep();
   void prepare(Sums& sums, const SumBlocks& blocks);
   std::span<const Real> made(Sums& sums);
   /// A step was made, or a state set.
@@ -382,6 +396,9 @@ void PadStepper<Real>::State::make_arrays() {
   put_input(STEP_BEYOND, 1, std::vector<double>(count, -1), std::array{1.0});
   heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
   state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0);
+  if (!pad.relaxation.empty())
+    creep.emplace(Creeping{fem::Creep(pad.relaxation), filled(cell_count(), Real(PAD_OPEN)),
+                           Buffer<Real>(device(), CREEP_NUMBERS * pad.relaxation.size())});
   for (Sums* sums : {&stresses, &displacements})
     if (sums->rows > 0) sums->numbers = filled(sums->rows, 0);
 }
@@ -397,7 +414,7 @@ void PadStepper<Real>::State::make_launches() {
     kernel.set("rho_t", Real(rho_t));
     kernel.set("wide_from", std::int32_t(wide_from));
     kernel.set("input", input);
-    kernel.set("heights", heights);
+    kernel.set("heights", creep ? creep->heights : heights);
     kernel.set("soft", soft);
     kernel.set("by_wrench", std::int32_t(0));
     kernel.set("kt", Real(kt));
@@ -415,6 +432,23 @@ void PadStepper<Real>::State::make_launches() {
     kernel.set("state", state);
     kernel.set("result", result);
   });
+  if (creep) {
+    creep->begin = executor.prepare(*program, "pad_creep_begin", [&](KernelArguments& kernel) {
+      kernel.set("table", table);
+      kernel.set("numbers", creep->numbers);
+      kernel.set("softer", Real(1));
+      kernel.set("heights", heights);
+      kernel.set("crept_heights", creep->heights);
+      kernel.set("state", state);
+    });
+    creep->end = executor.prepare(*program, "pad_creep_end", [&](KernelArguments& kernel) {
+      kernel.set("table", table);
+      kernel.set("numbers", creep->numbers);
+      kernel.set("softer", Real(1));
+      kernel.set("soft", soft);
+      kernel.set("state", state);
+    });
+  }
   for (Sums* sums : {&stresses, &displacements})
     if (sums->rows > 0)
       sums->launch = executor.prepare(*program, "pad_frames", [&](KernelArguments& kernel) {
@@ -443,8 +477,11 @@ std::vector<Real> PadStepper<Real>::State::head() const {
   std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson, 0, 0};
   if (sides) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
   const auto layers = fem::rubber(pad).layers;
-  if (object.softness > 0 || !layers.empty()) all.insert(all.end(), {object.softness, object.poisson});
+  const bool creeps = !pad.relaxation.empty();
+  if (object.softness > 0 || !layers.empty() || creeps) all.insert(all.end(), {object.softness, object.poisson});
   for (const auto& [thickness, young, poisson] : layers) all.insert(all.end(), {thickness, young, poisson});
+  if (creeps) all.push_back(state_relaxation);
+  for (const auto& [share, time] : pad.relaxation) all.insert(all.end(), {share, time});
   return {all.begin(), all.end()};
 }
 
@@ -457,8 +494,10 @@ void PadStepper<Real>::State::check_state(std::span<const Real> numbers) const {
     if (of[state_length] > 0) words += fmt::format(", sides {:.6g} x {:.6g} H", of[5], of[6]);
     if (of.size() > state_head && of[7] > 0)
       words += fmt::format(", objects {:.6g} times as soft, nu {:.6g}", of[7], of[8]);
-    for (std::size_t k = state_head + 2; k < of.size(); k += 3)
+    std::size_t k = state_head + 2;
+    for (; k < of.size() && of[k] > 0; k += 3)
       words += fmt::format(", layer {:.6g} H, {:.6g} E, nu {:.6g}", of[k], of[k + 1], of[k + 2]);
+    for (++k; k < of.size(); k += 2) words += fmt::format(", {:.6g} of E relaxes in {:.6g} s", of[k], of[k + 1]);
     return words;
   };
   if (numbers.size() < own.size() || !std::ranges::equal(own, numbers.first(own.size())))
@@ -503,19 +542,40 @@ void PadStepper<Real>::State::put_heights(std::size_t contact, const Number* hei
 }
 
 template <class Real>
+void PadStepper<Real>::State::run(const Launch& launch) {
+  const std::size_t groups = places / lanes();
+  if (groups == 1 && device().info().low_latency)
+    executor.run_here(launch);
+  else
+    executor.run(launch, groups);
+}
+
+/// Returns how much softer rubber that creeps is in the step; 1 of other.
+template <class Real>
+double PadStepper<Real>::State::begin_creep() {
+  if (!creep) return 1;
+  const fem::CreepStep step = creep->law.step(options.dt);
+  std::vector<Real> numbers;
+  for (const auto& [c, e, b] : step.terms)
+    for (const double number : {c, e, b}) numbers.push_back(static_cast<Real>(number));
+  creep->numbers.write(numbers);
+  for (Launch* launch : {&*creep->begin, &*creep->end}) launch->set("softer", static_cast<Real>(step.softer));
+  run(*creep->begin);
+  return step.softer;
+}
+
+template <class Real>
 void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
   check_size(by_wrench ? "wrench" : "pose", to.size(), 4 * count);
-  const double H = pad.thickness, force = pad.young * H * H;
+  const double softer = begin_creep(), H = pad.thickness, force = pad.young * H * H / softer;
   const std::array by_pose{1 / H, 1 / H, 1 / H, 1.0}, by_force{1 / force, 1 / force, 1 / force, 1 / (force * H)};
   forget();
   put_input(STEP_TO, 4, to, by_wrench ? by_force : by_pose);
   step_launch->set("by_wrench", std::int32_t(by_wrench));
-  const std::size_t groups = places / lanes();
+  if (creep) step_launch->set("force", Real(force));
   if (!writes) std::ranges::fill(result.map(MapFor::writing).view(), std::numeric_limits<Real>::quiet_NaN());
-  if (groups == 1 && device().info().low_latency)
-    executor.run_here(*step_launch);
-  else
-    executor.run(*step_launch, groups);
+  run(*step_launch);
+  if (creep) run(*creep->end);
   if (writes) return;
   const auto numbers = result.map(MapFor::reading);
   for (std::size_t c = 0; c < count; ++c)
@@ -734,6 +794,14 @@ void PadStepper<Real>::put_back(const Kept& kept, std::span<const std::uint8_t> 
   };
   put(s.state, kept.state, s.rows(), [&](std::size_t c, std::size_t k) { return s.at(c, k, s.rows()); });
   put(s.result, kept.result, STEP_RESULT_ROWS, [](std::size_t c, std::size_t k) { return c * STEP_RESULT_ROWS + k; });
+}
+
+template <class Real>
+void PadStepper<Real>::set_dt(double dt) {
+  StepOptions options = state_->options;
+  options.dt = dt;
+  check(options);
+  state_->options = options;
 }
 
 template <class Real>

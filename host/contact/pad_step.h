@@ -19,7 +19,8 @@ namespace tactel::host {
 using PairInfluence = std::vector<double>;
 
 /// What the state of a contact begins with: lengths over H. With a soft object its softness and Poisson's ratio follow,
-/// and with layers (0, 0 where there is no soft object) those of fem::Rubber, three numbers each.
+/// and with layers (0, 0 where there is no soft object) those of fem::Rubber, three numbers each. Rubber that creeps
+/// has these two, too, and behind all state_relaxation and its pairs.
 enum PadStateHead {
   state_cells_x,
   state_cells_y,
@@ -30,6 +31,7 @@ enum PadStateHead {
   state_width,
   state_head
 };
+inline constexpr double state_relaxation = -1;
 
 /// Many contacts with one pad that take one increment a call, each on from the state that the last left in the device's
 /// buffers: launcher of kernels/pad_step.cl. Its twin is fem::SteppedContact. Move only.
@@ -49,6 +51,9 @@ class PadStepper {
   const StepOptions& options() const;
   std::size_t lanes() const;       ///< contacts of a work-item
   std::size_t state_rows() const;  ///< numbers of a contact in state()
+
+  /// Seconds that each step takes from now on, of rubber that creeps.
+  void set_dt(double dt);
 
   // What the next step takes. All of it stays until it is given anew. Wrong sizes throw ValueError.
   void set_friction(std::span<const double> friction);  ///< [count] or one for all

@@ -40,7 +40,10 @@ class PadContacts {
   PadContacts(Executor& executor, const PadModel& model);
   static Key key(const Sensor& sensor, ContactKind);
   static Key key(const Scene& scene) { return key(scene.sensor, {}); }
-  static Path path(const Scene& scene) { return {fem::pad_targets(scene.load)}; }
+  static Path path(const Scene& scene) {
+    fem::refuse_creep(scene.sensor);
+    return {fem::pad_targets(scene.load)};
+  }
   std::shared_ptr<const SensorSolver<PadContacts>> solver(const Sensor& sensor) const;
   static void finish(std::span<const Scene>, std::vector<Solution>&) {}
   /// Coarse steps of the pressing (fem/pad/pad_presses.h).

@@ -39,26 +39,30 @@ void bind_pad_sensor(py::module_& m) {
   py::enum_<Sides>(m, "Sides", "Sides of a pad.").value("free", Sides::free).value("held", Sides::held);
   auto pad = value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
                               {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length",
-                               "width", "sides", "curvature_radius", "layers"});
+                               "width", "sides", "curvature_radius", "layers", "relaxation"});
   add_fields(pad);
   pad.def_readonly("layers", &Pad::layers, "from the base up; []: one, of thickness, young and poisson");
+  pad.def_readonly("relaxation", &Pad::relaxation, "(share of E, s) of each term; []: elastic");
   pad.def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
                       Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
                       std::optional<double> length, std::optional<double> width, Sides sides,
-                      std::optional<double> curvature_radius, std::vector<RubberLayer> layers) {
+                      std::optional<double> curvature_radius, std::vector<RubberLayer> layers,
+                      std::vector<Pair> relaxation) {
             const double* both = std::get_if<double>(&pitch);
             return with_layers({tactels, both ? Pair{*both, *both} : std::get<Pair>(pitch), tactel_size, axes,
-                                thickness, young, poisson, length, width, sides, curvature_radius, std::move(layers)});
+                                thickness, young, poisson, length, width, sides, curvature_radius, std::move(layers),
+                                std::move(relaxation)});
           }),
           "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
           "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(), "sides"_a = Sides::free,
           "curvature_radius"_a = py::none(), "layers"_a = std::vector<RubberLayer>(),
+          "relaxation"_a = std::vector<Pair>(),
           "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
           "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known; "
           "sides: of "
           "a pad whose length and width are given, free, or held as if the rubber went on; curvature_radius: mm, of "
           "the skin, None where it is flat; layers: from the base up, in place of "
-          "thickness, young and poisson.");
+          "thickness, young and poisson; relaxation: (share, s) of each term of E that relaxes, for PadStepper.");
   value_class<PadIndenter>(m, "PadIndenter", "A shape on a pad: its place, and how it is turned.",
                            {"shape", "position", "yaw", "tilt", "tilt_direction", "young", "poisson"})
       .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction,

@@ -219,26 +219,28 @@ void bind_steps(py::module_& m) {
       .def(py::init([](const Pad& pad, std::size_t count, const Doubles& friction, const GivenXY<int>& cells,
                        const GivenXY<double>& cell, double tolerance, double force_tolerance, int most_solves,
                        Precision precision, const std::string& device, double object_young, double object_poisson,
-                       std::optional<Markers> markers, std::optional<Camera> camera) {
+                       std::optional<Markers> markers, std::optional<Camera> camera, double dt) {
              StepOptions options;
              options.cells = along_xy(cells), options.cell = along_xy(cell), options.tolerance = tolerance;
              options.force_tolerance = force_tolerance, options.most_solves = most_solves;
              options.precision = precision, options.device = device;
              options.object_young = object_young, options.object_poisson = object_poisson;
-             options.markers = std::move(markers), options.camera = camera;
+             options.markers = std::move(markers), options.camera = camera, options.dt = dt;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
              return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
            "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
            "object_young"_a = 0.0, "object_poisson"_a = 0.45, "markers"_a = py::none(), "camera"_a = py::none(),
+           "dt"_a = 0.0,
            "friction: [count], or one number; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
            "[x, y]; cell: mm, one side or [x, y]; tolerance: of the sweeps; force_tolerance: of a wrench, over P; "
            "most_solves: poses that a step by wrench may solve. By default cells cover a pad whose sides are free, "
            "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free. "
            "object_young: MPa, of soft objects, 0 for rigid ones; object_poisson: of soft ones; markers, camera: "
            "answers "
-           "have the displacements of these markers, and the pixels where the camera sees them.")
+           "have the displacements of these markers, and the pixels where the camera sees them; dt: seconds of each "
+           "step, of a pad that relaxes.")
       .def("__len__", [](const Stepper& self) { return self.steps.count(); })
       .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
       .def_property_readonly(
@@ -248,6 +250,11 @@ void bind_steps(py::module_& m) {
           "cell_y", [](const Stepper& self) { return py::array_t<double>(py::cast(self.steps.cell_y())); },
           "[cells] mm")
       .def_property_readonly("device", [](const Stepper& self) { return self.steps.device(); })
+      .def_property_readonly(
+          "dt", [](const Stepper& self) { return self.steps.options().dt; }, "s, of each step")
+      .def(
+          "set_dt", [](Stepper& self, double dt) { self.steps.set_dt(dt); }, "dt"_a,
+          "Sets the seconds that each step takes from now on.")
       .def(
           "set_friction",
           [](Stepper& self, const Doubles& friction) {

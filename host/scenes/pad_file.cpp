@@ -29,6 +29,7 @@ void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   const bool thick = in.has("thickness") || in.has("layers"), sides = in.has("sides");
   read_numbers(in, sensor, false);
   read_layers(in, sensor);
+  in.read("relaxation", sensor.relaxation, "an array of pairs [share of E, seconds]");
   if (sides && sensor.sides == fem::Sides::free && !fem::has_free_sides(sensor))
     in.refuse("sides", "\"held\", or given with sensor.length and sensor.width, between which sides are free");
   in.finish();

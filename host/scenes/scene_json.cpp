@@ -68,6 +68,7 @@ SceneJson sensor_json(const fem::PadScene& scene) {
   for (const RubberLayer& layer : scene.sensor.layers) add_numbers(out["layers"].emplace_back(), layer);
   if (out.contains("layers"))
     for (const char* key : {"thickness", "young", "poisson"}) out.erase(key);
+  if (!scene.sensor.relaxation.empty()) out["relaxation"] = scene.sensor.relaxation;
   if (!scene.sensor.length || !scene.sensor.width) out.erase("sides");  // not known
   return out;
 }

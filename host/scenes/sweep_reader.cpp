@@ -335,6 +335,13 @@ void SweepReaderOf<Scene>::check_holds(const Source& source) const {
     throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
+  if constexpr (!of_lines<Scene>)
+    if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
+      const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
+      const double first = rate(source.load_.alternatives.front());
+      if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
+        throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
+    }
   const auto all = tables("indenter");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)

@@ -97,6 +97,7 @@ void HeldLaunch<Real>::run(const RunOptions& options) {
   std::vector<double> friction;
   for (const Grip& grip : grips_) friction.push_back(grip.scene.friction);
   PadStepper<Real> steps(executor_, sensor_, count, friction, options_);
+  if (!sensor_.relaxation.empty()) steps.set_dt(1 / grips_.front().scene.hold.rate);
   const fem::PadCells& cells = steps.cells();
   const auto field = static_cast<std::size_t>(cells.count()), all_inputs = 3 * steps.tactels();
   std::vector<HeldContact> held;

@@ -132,6 +132,33 @@ class Values(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, "markers.depth"):
             tactel.PadStepper(pad, 1, 1.0, markers=tactel.Markers(depth=5.0))
 
+    def test_steps_that_creep(self):
+        pad = SPHERE.sensor.with_(relaxation=[(0.2, 0.5), (0.1, 5.0)])
+        self.assertEqual(pad.relaxation, [[0.2, 0.5], [0.1, 5.0]])
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25, dt=0.0, precision="fp64")
+        steps.shapes(tactel.Sphere(8.0))
+        first = float(steps.move([[0.2, 0, 0, 0]]).force[0, 0])
+        elastic = tactel.PadStepper(SPHERE.sensor, 1, 0.5, cells=16, cell=0.25, precision="fp64")
+        elastic.shapes(tactel.Sphere(8.0))
+        self.assertAlmostEqual(first, float(elastic.move([[0.2, 0, 0, 0]]).force[0, 0]), delta=1e-6 * first)
+        steps.set_dt(1.0)
+        again = pickle.loads(pickle.dumps(steps))
+        self.assertEqual(again.dt, 1.0)
+        held = [float(one.move([[0.2, 0, 0, 0]]).force[0, 0]) for one in (steps, again)]
+        self.assertEqual(held[0], held[1])
+        # A depth that is held relaxes as E does; what has relaxed is as linear as the tractions in the second.
+        self.assertAlmostEqual(held[0] / first, 1 - 0.2 * (1 - np.exp(-2)) - 0.1 * (1 - np.exp(-0.2)), delta=0.02)
+        steps.set_dt(1e9)
+        self.assertAlmostEqual(float(steps.move([[0.2, 0, 0, 0]]).force[0, 0]) / first, 0.7, delta=1e-3)
+        for wrong in ([(1.0, 1.0)], [(0.1, -1.0)]):
+            with self.assertRaisesRegex(tactel.InputError, "sensor.relaxation"):
+                tactel.PadStepper(SPHERE.sensor.with_(relaxation=wrong), 1, 0.5)
+        with self.assertRaisesRegex(tactel.InputError, "dt"):
+            steps.set_dt(-1)
+        for call in (lambda s: tactel.solve(s), lambda s: tactel.solve_many([s]), lambda s: tactel.solve(s, solver="twin")):
+            with self.assertRaisesRegex(tactel.InputError, "sensor.relaxation.*no times"):
+                call(SPHERE.with_(sensor=pad))
+
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""
         scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))

@@ -35,6 +35,8 @@ struct Pad {
   Sides sides = Sides::free;                 ///< where length and width are given; else they are held
   std::optional<double> curvature_radius{};  ///< mm, of the skin, which stands out in its middle; none: flat
   std::vector<RubberLayer> layers{};         ///< from the base up, at most 8; none: one, of the numbers above
+  /// Shares of E that relax, above 0 and below 1 in all, and their times, s, which differ; at most 4. None: elastic.
+  std::vector<std::array<double, 2>> relaxation{};
   bool operator==(const Pad&) const = default;
 };
 

@@ -33,6 +33,7 @@ struct StepOptions {
   double object_poisson = 0.45;
   std::string precision{};           ///< "fp32", "fp64"; empty: fp32
   std::string device{};              ///< name or index of an OpenCL device; empty: the default device
+  double dt = 0;                     ///< seconds of a step, of a pad that relaxes
   std::optional<Markers> markers{};  ///< whose displacements steps have
   std::optional<Camera> camera{};    ///< that sees them
 };

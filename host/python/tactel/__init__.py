@@ -119,7 +119,7 @@ def _made_again(kind, calls, state=None):
 
 _keeping(Alarm, "__init__")
 Alarm.__reduce__ = lambda self: (_made_again, (type(self), self._calls))
-for _call in ("__init__", "set_friction", "places"):
+for _call in ("__init__", "set_friction", "set_dt", "places"):
     _keeping(PadStepper, _call)
 _keeping(PadStepper, "shapes", "places", "_gaps")
 _keeping(PadStepper, "_gaps", "shapes", "places")

@@ -241,6 +241,12 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("{ rms = ..., length = ... }")));
   EXPECT_THAT(message_of<PadSource>(rubber + "young = 1\n[load]\nnormal_force = 2\n[load.hold]\n"),
               AllOf(HasSubstr("indenter.young"), HasSubstr("left out with [load.hold]")));
+  std::string creeping = head;
+  creeping.insert(creeping.find("thickness = 4"), "relaxation = [[0.2, 0.5]]\n");
+  EXPECT_THAT(message_of<PadSource>(creeping),
+              AllOf(HasSubstr("sensor.relaxation"), HasSubstr("one [load.hold] rate")));
+  using Terms = std::vector<std::array<double, 2>>;
+  EXPECT_EQ(pads(creeping + "rate = 60\n").contact(1).scene.sensor.relaxation, (Terms{{0.2, 0.5}}));
   std::string own = head;
   own.replace(own.find("thickness = 4"), 13, "thickness = { uniform = [3, 5] }");
   EXPECT_THAT(message_of<PadSource>(own), AllOf(HasSubstr("sweep.sensors"), HasSubstr("which grips share")));

@@ -43,6 +43,7 @@ class TACTEL_API PadStepper {
   std::string device() const;
   const StepOptions& options() const;
 
+  void set_dt(double dt);  ///< seconds that each step takes from now on, of a pad that relaxes
   void set_friction(std::span<const double> friction);  ///< [count], or one for all; from the next step on
   /// One object for all contacts, or one for each, at its position and yaw.
   void set_shapes(std::span<const PadIndenter> indenters);
