@@ -187,11 +187,12 @@ inline constexpr auto numbers<T> = [] {
              "N: targets in place of depths"},
       Number{"indentation_steps", "", &T::indentation_steps, "a whole number of steps, 1 to 1000", "", false, false}};
   if constexpr (requires { &T::twist; })
-    return std::tuple_cat(pressing,
-                          std::tuple{Number{"tangential", "mm", &T::tangential,
-                                            "an array of positions [x, y] in mm, at least one", "mm: positions (x, y)"},
-                                     Number{"twist", "degrees", &T::twist, "an array of degrees, at least one",
-                                            "degrees at these positions; empty: none"}});
+    return std::tuple_cat(
+        pressing, std::tuple{Number{"tangential", "mm", &T::tangential,
+                                    "an array of positions [x, y] in mm, at least one", "mm: positions (x, y)"},
+                             Number{"twist", "degrees", &T::twist, "an array of degrees, at least one",
+                                    "degrees at these positions; empty: none"},
+                             Number{"times", "s", &T::times, "", "s, of each load step of a pad that relaxes"}});
   else
     return pressing;
 }();

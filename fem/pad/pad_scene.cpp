@@ -110,9 +110,9 @@ void validate(const PadSensor& sensor) {
 
 void refuse_creep(const PadSensor& sensor) {
   if (!sensor.relaxation.empty())
-    throw ValueError(
-        "sensor.relaxation", std::to_string(sensor.relaxation.size()) + " terms",
-        "left out of a path, which has no times: steps have them (PadStepper, dt), and grips (load.hold.rate)");
+    throw ValueError("sensor.relaxation", std::to_string(sensor.relaxation.size()) + " terms",
+                     "left out of many paths and of sets: solve takes it with load.times, PadStepper with dt, grips "
+                     "with load.hold.rate");
 }
 
 double fall_of_skin(const PadSensor& sensor, double x, double y) {
@@ -161,6 +161,13 @@ void PadLoad::validate() const {
     check(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", degrees(move.twist),
           "twists in degrees, -360 to 360");
   }
+  const std::size_t targets = pad_targets(*this).size();
+  if (!times.empty() && times.size() != targets)
+    throw ValueError("load.times", std::to_string(times.size()) + " times",
+                     "as many as the load has steps, " + std::to_string(targets));
+  for (std::size_t k = 0; k < times.size(); ++k)
+    check(times[k] >= (k > 0 ? times[k - 1] : 0) && times[k] <= 1e12, "load.times", times[k],
+          "times in s, 0 or more, none before the last");
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
       check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
@@ -174,6 +181,9 @@ void PadScene::validate() const {
   indenter.validate();
   load.validate();
   check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
+  if (!load.times.empty() && sensor.relaxation.empty())
+    throw ValueError("load.times", std::to_string(load.times.size()) + " times",
+                     "left out, or given with sensor.relaxation: elastic rubber has no time");
   if (markers) fem::validate(*markers, sensor);
   if (camera) fem::validate(*camera);
   if (camera && !markers) throw ValueError("camera", "without markers", "given with [markers], which it sees");

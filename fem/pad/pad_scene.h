@@ -114,6 +114,7 @@ struct PadLoad {
   std::vector<std::array<double, 3>>
       drags;                     ///< successive positions x, y (mm) and twist (rad), at the last normal target
   std::vector<PadTarget> moves;  ///< instead of the drags: one increment each, normal target and position together
+  std::vector<double> times{};   ///< s: of each target, of rubber that creeps; empty: none
 
   void validate() const;  ///< throws ValueError, key "load.<member>"
 };

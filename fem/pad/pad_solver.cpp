@@ -9,11 +9,13 @@
 
 #include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/creep_history.h"
 #include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
+#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {
@@ -150,6 +152,7 @@ class PadWalk {
         cells_(cells),
         world_(layer, options, cells, scene),
         contact_(world_.contact(options, cells, scene)) {
+    if (!scene.sensor.relaxation.empty()) creep_.emplace(scene.sensor.relaxation, cells.count());
     own_places_.resize(cells.count(), 2);
     for (int i = 0; i < cells.count(); ++i) own_places_.row(i) << cells.x(i / cells.n), cells.y(i % cells.n);
   }
@@ -168,6 +171,8 @@ class PadWalk {
   PadCells cells_;
   PadWorld world_;
   PadContact contact_;
+  std::optional<CreepHistory> creep_{};
+  double softer_ = 1;  ///< the rubber of this increment, as it creeps
   Eigen::MatrixX2d own_places_;
   DepthSearch search_;
   bool converged_ = true;
@@ -175,7 +180,7 @@ class PadWalk {
 };
 
 void PadWalk::move_to(const PadTarget& target) {
-  const double per_E = 1 / (scene_.sensor.young * cells_.area());
+  const double per_E = softer_ / (scene_.sensor.young * cells_.area());
   const double first_guess = 0.05 * scene_.sensor.thickness;
   const double depth = !by_force(scene_) ? target.normal
                        : target.normal > 0
@@ -190,7 +195,7 @@ void PadWalk::move_to(const PadTarget& target) {
   contact_.motion = to;
   const double ratio = growth(change, change_);
   change_ = change;
-  if (change.isZero(0)) return;
+  if (change.isZero(0) && !creep_) return;
   contact_.extrapolate(ratio);
   const bool searches = by_force(scene_) && target.normal > 0;
   const int most_sweeps = converged_ ? options_.most_sweeps : std::min(options_.most_sweeps, damped_after);
@@ -206,7 +211,7 @@ void PadWalk::move_to(const PadTarget& target) {
 }
 
 PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
-  const double young = scene_.sensor.young, mu = scene_.friction, force = young * cells_.area();
+  const double young = scene_.sensor.young / softer_, mu = scene_.friction, force = young * cells_.area();
   PadStep step;
   step.indentation = contact_.depth;
   step.twist = contact_.motion[2];
@@ -260,6 +265,7 @@ PadSolution PadWalk::walk() {
   solution.cells = cells_;
   solution.places = (own_places_ * turn_.transpose()).rowwise() + position(scene_.indenter).transpose();
   for (const PadIncrement& increment : pad_increments(scene_, options_, cells_)) {
+    if (creep_) softer_ = creep_->begin(contact_, increment.dt);
     move_to(increment.target);
     contact_.add_slide();
     if (increment.asked) {
@@ -269,6 +275,7 @@ PadSolution PadWalk::walk() {
     }
     if (!converged_ && !options_.whole_path) break;
     contact_.remember();
+    if (creep_) creep_->end(contact_);
   }
   solution.steps.resize(pad_targets(scene_.load).size());
   return solution;
@@ -337,6 +344,7 @@ std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions
   std::vector<PadIncrement> increments;
   PadTarget from;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  double last_time = 0;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const PadTarget& to = targets[k];
     const Eigen::Vector3d way(to.x - from.x, to.y - from.y, cells.half_size() * (to.twist - from.twist));
@@ -344,14 +352,17 @@ std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions
     const int presses = to.normal == from.normal ? 1 : parts;
     const int drags = std::max(options.drag_increments, substeps(way, last, limit, options.to_limit()));
     const int count = options.parts * (k < pressing ? presses : drags);
+    const double time = load.times.empty() ? 0 : load.times[k], dt = (time - last_time) / count;
+    last_time = time;
     const auto between = [](double a, double b, double part) { return a + (b - a) * part; };
     for (int i = 1; i < count; ++i) {
       const double part = static_cast<double>(i) / count;
       increments.push_back({{between(from.normal, to.normal, part), between(from.x, to.x, part),
                              between(from.y, to.y, part), between(from.twist, to.twist, part)},
-                            false});
+                            false,
+                            dt});
     }
-    increments.push_back({to, true});
+    increments.push_back({to, true, dt});
     from = to;
     if (!way.isZero(0)) last = way;
   }
@@ -466,7 +477,9 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
 PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
 
 PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) const {
-  refuse_creep(scene.sensor);
+  if (!scene.sensor.relaxation.empty() && scene.load.times.empty())
+    throw ValueError("load.times", "none",
+                     "given, s of each load step, as sensor.relaxation says that the rubber creeps");
   if (layer_.object() != soft_object(scene.sensor, scene.indenter))
     throw std::logic_error("PadSolver: a layer beside another object");
   return PadWalk(layer_, options_, cells, scene).walk();
@@ -475,6 +488,7 @@ PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) co
 PadSolution PadSolver::solve(const PadScene& scene) const {
   scene.validate();
   PadSolution solution = solve_on_grown(scene);
+  if (!scene.sensor.relaxation.empty()) return solution;  // the way to a step counts
   for (const std::size_t k : coarse_presses(scene, solution))
     take_alone(solution, k, solve_on_grown(pressed_alone(scene, k)));
   return solution;

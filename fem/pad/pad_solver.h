@@ -51,6 +51,7 @@ struct PadSolution {
 struct PadIncrement {
   PadTarget target;
   bool asked = true;  ///< the load has it, and the answer a step for it
+  double dt = 0;      ///< s that it takes, of rubber that creeps
 };
 
 /// Returns the heights at cells and one ring around them (cell_heights), +infinity also where a pad with free sides has

@@ -37,35 +37,7 @@ SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, c
                                                       std::max(cells.n, cells.ny()));
     contact_ = std::make_unique<PadContact>(*influence_, cells, open, mu, options);
   }
-  if (sensor.relaxation.empty()) return;
-  creep_.emplace(sensor.relaxation);
-  crept_ = elastic_ = Eigen::MatrixX3d::Zero(cells.count(), 3);
-  retarded_.assign(creep_->terms().size(), elastic_);
-}
-
-/// The step's contact is elastic, on rubber that lies where it has crept.
-CreepStep SteppedContact::begin_creep() {
-  if (!creep_) return {};
-  const CreepStep step = creep_->step(dt);
-  crept_.setZero();
-  for (std::size_t k = 0; k < step.terms.size(); ++k) {
-    const auto& [c, e, b] = step.terms[k];
-    crept_ += c * (e * retarded_[k] + (b - e) * elastic_);
-  }
-  contact_->creep(crept_, step.softer);
-  return step;
-}
-
-void SteppedContact::end_creep(const CreepStep& step, SteppedState& s) {
-  if (!creep_) return;
-  const Eigen::MatrixX3d w = contact_->displacements() / step.softer;
-  for (std::size_t k = 0; k < step.terms.size(); ++k) {
-    const auto& [c, e, b] = step.terms[k];
-    retarded_[k] = e * retarded_[k] + (b - e) * elastic_ + (1 - b) * w;
-  }
-  elastic_ = w;
-  contact_->creep(-crept_, 1 / step.softer);
-  s.force /= step.softer;
+  if (!sensor.relaxation.empty()) creep_.emplace(sensor.relaxation, cells.count());
 }
 
 void SteppedContact::set_surface(const PadSurface& surface, std::array<double, 2> axis) {
@@ -127,29 +99,31 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
   return s;
 }
 
-/// Returns the rms slide of the step that ends here, and the mean, mm.
-std::pair<double, Eigen::Vector3d> SteppedContact::end_step() {
-  const std::pair slide(contact_->slide(), contact_->mean_slide());
+/// Ends a step in which the rubber was `softer` than elastic, and returns what it says.
+SteppedState SteppedContact::end_step(int solves, int sweeps, bool settled, double softer) {
+  const double slid = contact_->slide();
+  const Eigen::Vector3d mean = contact_->mean_slide();
   contact_->remember();
-  return slide;
+  SteppedState s = state(solves, sweeps, settled);
+  s.slid = slid, s.mean = mean;
+  if (!creep_) return s;
+  creep_->end(*contact_);
+  s.force /= softer;
+  return s;
 }
 
 SteppedState SteppedContact::move(double depth, const PadMotion& motion) {
   const Eigen::Vector4d change = change_to(*contact_, depth, motion);
-  const CreepStep creep = begin_creep();
+  const double softer = creep_ ? creep_->begin(*contact_, dt) : 1;
   int sweeps = 0;
   const bool settled = solve(*contact_, depth, motion, sweeps);
-  const auto [slid, mean] = end_step();
   change_ = change;
-  SteppedState s = state(1, sweeps, settled);
-  s.slid = slid, s.mean = mean;
-  end_creep(creep, s);
-  return s;
+  return end_step(1, sweeps, settled, softer);
 }
 
 SteppedState SteppedContact::press(const PadWrench& asked, double tolerance) {
-  const CreepStep creep = begin_creep();
-  const PadWrench wrench = creep.softer * asked;
+  const double softer = creep_ ? creep_->begin(*contact_, dt) : 1;
+  const PadWrench wrench = softer * asked;
   const double lever = cells_.half_size(), scale = difference * sensor_.thickness;
   const Eigen::Vector4d weight(1, 1, 1, 1 / lever), step = Eigen::Vector4d::Constant(scale).cwiseProduct(weight);
   Eigen::Vector4d pose(contact_->depth, contact_->motion[0], contact_->motion[1], contact_->motion[2]);
@@ -192,11 +166,7 @@ SteppedState SteppedContact::press(const PadWrench& asked, double tolerance) {
   change_ << pose[0] - contact_->depth, pose[1] - contact_->motion[0], pose[2] - contact_->motion[1],
       lever * (pose[3] - contact_->motion[2]);
   contact_ = std::move(trial);
-  const auto [slid, mean] = end_step();
-  SteppedState s = state(solves, sweeps, settled);
-  s.met &= met, s.slid = slid, s.mean = mean;
-  end_creep(creep, s);
-  return s;
+  return end_step(solves, sweeps, settled && met, softer);
 }
 
 }  // namespace tactel::fem

@@ -4,10 +4,8 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <utility>
-#include <vector>
 
-#include "fem/creep.h"
+#include "fem/pad/creep_history.h"
 #include "fem/pad/pad_contact.h"
 #include "fem/pad/pad_solver.h"
 #include "fem/pad/pad_surface.h"
@@ -59,9 +57,7 @@ class SteppedContact {
   bool solve(PadContact& contact, double depth, const PadMotion& motion, int& sweeps) const;
   PadWrench force(const PadContact& contact) const;
   SteppedState state(int solves, int sweeps, bool settled) const;
-  std::pair<double, Eigen::Vector3d> end_step();
-  CreepStep begin_creep();
-  void end_creep(const CreepStep& step, SteppedState& s);
+  SteppedState end_step(int solves, int sweeps, bool settled, double softer);
 
   PadSensor sensor_;
   PadCells cells_;
@@ -72,9 +68,7 @@ class SteppedContact {
   std::unique_ptr<PadContact> contact_;
   std::array<double, 2> axis_{};
   Eigen::Vector4d change_ = Eigen::Vector4d::Zero();
-  std::optional<Creep> creep_{};
-  Eigen::MatrixX3d crept_{}, elastic_{};      ///< [cells] mm: m and w of fem/creep.h
-  std::vector<Eigen::MatrixX3d> retarded_{};  ///< [terms][cells] mm: v
+  std::optional<CreepHistory> creep_{};
 };
 
 }  // namespace tactel::fem

@@ -84,7 +84,7 @@ bool state_error(PadOutcome& outcome, PadJudge& judge, int cells) {
 void solve_on_rung(PadOutcome& outcome, const PadRung& rung, const SolveOptions& options) {
   outcome.rung = rung;
   refuse_endless(outcome.scene, rung.cells);
-  if (rung.exact || options.solver == "twin")
+  if (rung.exact || options.solver == "twin" || !outcome.scene.sensor.relaxation.empty())
     solve_on_host(outcome, options);
   else
     solve_on_device(outcome, options);
@@ -122,7 +122,9 @@ void pad_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& o
 PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   check_pad_options(options);
   scene.validate();
-  fem::refuse_creep(scene.sensor);
+  if (!scene.sensor.relaxation.empty() && !options.device.empty())
+    throw ConfigError("command line", "--device", options.device,
+                      "left out: rubber that creeps is solved by the twin, without a device");
   PadOutcome outcome;
   outcome.scene = scene, outcome.accuracy = options.accuracy;
   PadJudge judge(scene);

@@ -68,6 +68,7 @@ fem::PadScene to_fem(const PadScene& scene) {
         {load.tangential[k][0], load.tangential[k][1], load.twist.empty() ? 0 : fem::radians(load.twist[k])});
   for (const auto& [normal, at, twist] : load.moves)
     made.load.moves.push_back({normal, at[0], at[1], fem::radians(twist)});
+  made.load.times = load.times;
   made.markers = scene.markers, made.camera = scene.camera;
   return made;
 }
@@ -88,6 +89,7 @@ PadScene from_fem(const fem::PadScene& scene) {
     made.load.twist.push_back(degrees(twist));
   }
   for (const auto& [normal, x, y, twist] : load.moves) made.load.moves.push_back({normal, {x, y}, degrees(twist)});
+  made.load.times = load.times;
   made.markers = scene.markers, made.camera = scene.camera;
   return made;
 }

@@ -378,7 +378,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
     }
     for (const double number : input) put(all.inputs, number);
     int slot = 0;
-    for (const auto& [to, asked] : path) {
+    for (const auto& [to, asked, dt] : path) {
       double target[PAD_PATH_ROWS] = {};
       target[PAD_NORMAL] = to.normal / (by_force(scene) ? force : H);
       target[PAD_X] = (cosine * to.x + sine * to.y) / H, target[PAD_Y] = (cosine * to.y - sine * to.x) / H;

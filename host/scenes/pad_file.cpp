@@ -106,12 +106,13 @@ void read_pad_load(const TomlFile& file, fem::PadLoad& load) {
   TomlTable in(file, "load");
   in.refuse_any({"angle"}, left_out_of_a_pad);
   in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential", "twist", "tangential_step",
-                     "twist_step", "tangential_steps"});
+                     "twist_step", "tangential_steps", "times"});
   read_pressing(in, load, true);
   for (const char* step : {"tangential_step", "twist_step"})
     for (const char* position : {"tangential", "twist"}) in.only_one({position, step});
   read_drag_steps(in, load);
   read_drag_positions(in, load);
+  in.read("times", load.times, "an array of s, one for each load step");
   in.finish();
 }
 

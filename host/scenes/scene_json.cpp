@@ -105,6 +105,7 @@ SceneJson load_json(const fem::PadLoad& load) {
     out["tangential"].push_back({x, y});
     out["twist"].push_back(fem::clean_degrees(twist));
   }
+  if (!load.times.empty()) out["times"] = load.times;
   return out;
 }
 

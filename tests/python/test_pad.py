@@ -155,9 +155,14 @@ class Values(unittest.TestCase):
                 tactel.PadStepper(SPHERE.sensor.with_(relaxation=wrong), 1, 0.5)
         with self.assertRaisesRegex(tactel.InputError, "dt"):
             steps.set_dt(-1)
-        for call in (lambda s: tactel.solve(s), lambda s: tactel.solve_many([s]), lambda s: tactel.solve(s, solver="twin")):
-            with self.assertRaisesRegex(tactel.InputError, "sensor.relaxation.*no times"):
-                call(SPHERE.with_(sensor=pad))
+        with self.assertRaisesRegex(tactel.InputError, "sensor.relaxation.*left out of many"):
+            tactel.solve_many([SPHERE.with_(sensor=pad)])
+        with self.assertRaisesRegex(tactel.InputError, "load.times.*given"):
+            tactel.solve(SPHERE.with_(sensor=pad))
+        path = tactel.solve(SPHERE.with_(sensor=pad, load=tactel.PadLoad(indentation=[0.2], tangential=[[0, 0]], times=[0.0, 1e9])))
+        self.assertAlmostEqual(path.P[1] / path.P[0], 0.7, delta=1e-6)
+        with self.assertRaisesRegex(tactel.InputError, "load.times: 1 times"):
+            SPHERE.with_(sensor=pad, load=DRAG.with_(times=[1.0])).validate()
 
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""

@@ -26,22 +26,28 @@ PadSensor rubber_of(const std::vector<std::array<double, 2>>& relaxation) {
   return {.thickness = 2, .young = 1, .poisson = 0.45, .relaxation = relaxation};
 }
 
+struct Known {
+  double dt, depth;
+  PadMotion motion;
+  double P, Qx, Qy, M, S;
+};
+const std::vector<Known>& known_path() {
+  static const std::vector<Known> path = {
+      {.1, .125, {0, 0, 0}, .40191226, 0, 0, 0, 0},
+      {.1, .25, {0, 0, 0}, 1.51451775, 0, 0, 0, 0},
+      {.1, .25, {.05, .02, .01}, 1.45605529, .20475504, .08206531, .07974201, .33105},
+      {.1, .25, {.1, .04, .03}, 1.41110404, .36077421, .14586795, .17741192, .62833},
+      {1, .25, {.1, .04, .03}, 1.27601411, .30979240, .12523228, .15168067, .59629},
+      {10, .25, {.1, .04, .03}, 1.17474593, .28383748, .11473853, .13892667, .59341},
+      {.1, .25, {.1, .1, .05}, 1.17304070, .24750954, .30538161, .19977479, .78311},
+      {.1, .15, {.1, .1, .05}, .28594576, .09109402, .10479414, .01801678, .99953}};
+  return path;
+}
+
 TEST(CreepingContact, WalksThePathOfAnIndependentProgram) {
   SteppedContact steps = sphere_on(rubber_of(gel), 0.5);
-  const struct {
-    double dt, depth;
-    PadMotion motion;
-    double P, Qx, Qy, M, S;
-  } path[] = {{.1, .125, {0, 0, 0}, .40191226, 0, 0, 0, 0},
-              {.1, .25, {0, 0, 0}, 1.51451775, 0, 0, 0, 0},
-              {.1, .25, {.05, .02, .01}, 1.45605529, .20475504, .08206531, .07974201, .33105},
-              {.1, .25, {.1, .04, .03}, 1.41110404, .36077421, .14586795, .17741192, .62833},
-              {1, .25, {.1, .04, .03}, 1.27601411, .30979240, .12523228, .15168067, .59629},
-              {10, .25, {.1, .04, .03}, 1.17474593, .28383748, .11473853, .13892667, .59341},
-              {.1, .25, {.1, .1, .05}, 1.17304070, .24750954, .30538161, .19977479, .78311},
-              {.1, .15, {.1, .1, .05}, .28594576, .09109402, .10479414, .01801678, .99953}};
   int step = 0;
-  for (const auto& at : path) {
+  for (const Known& at : known_path()) {
     steps.dt = at.dt;
     const SteppedState s = steps.move(at.depth, at.motion);
     EXPECT_NEAR(s.force[0], at.P, 2e-8) << ++step;
@@ -50,6 +56,34 @@ TEST(CreepingContact, WalksThePathOfAnIndependentProgram) {
     EXPECT_NEAR(s.force[3], at.M, 2e-8) << step;
     EXPECT_NEAR(s.slip_index, at.S, 6e-6) << step;
   }
+}
+
+// A path with times is these steps: pressed twice, dragged, held, dragged on.
+TEST(CreepingContact, PathsHaveTimes) {
+  PadScene scene;
+  scene.sensor = rubber_of(gel), scene.indenter.shape = Sphere{8}, scene.friction = 0.5;
+  scene.load = {.indentation = {0.25}, .indentation_steps = 2, .times = {.1, .2, .3, .4, 1.4, 11.4, 11.5}};
+  for (std::size_t k = 2; k < 7; ++k) {
+    const PadMotion& to = known_path()[k].motion;
+    scene.load.drags.push_back({to[0], to[1], to[2]});
+  }
+  scene.validate();
+  PadOptions options = exact;
+  options.pressing_increments = 2, options.limit_increments = 0;
+  const PadSolution path = PadSolver(pad_layer(0.45), options).solve_on({.n = 16, .hx = 0.2, .hy = 0.2}, scene);
+  ASSERT_EQ(path.steps.size(), 7u);
+  for (std::size_t k = 0; k < 7; ++k) {
+    EXPECT_NEAR(path.steps[k].P, known_path()[k].P, 2e-8) << k;
+    EXPECT_NEAR(path.steps[k].Q[0], known_path()[k].Qx, 2e-8) << k;
+    EXPECT_NEAR(path.steps[k].M, known_path()[k].M, 2e-8) << k;
+    EXPECT_NEAR(path.steps[k].slip_index.value_or(0), known_path()[k].S, 6e-6) << k;
+  }
+  // By force it sinks.
+  scene.load = {.indentation = {}, .normal_force = {1}, .drags = {{0, 0, 0}, {0, 0, 0}}, .times = {0.1, 1, 100}};
+  const PadSolution held = PadSolver(pad_layer(0.45), exact).solve(scene);
+  for (const PadStep& step : held.steps) EXPECT_NEAR(step.P, 1, 1e-6);
+  EXPECT_GT(held.steps[1].indentation, 1.03 * held.steps[0].indentation);
+  EXPECT_GT(held.steps[2].indentation, 1.05 * held.steps[1].indentation);
 }
 
 // Without friction, while it grows: what an increment of the elastic force leaves of itself later is E(t) / E (E. H.
@@ -151,7 +185,15 @@ TEST(CreepingContact, RelaxationIsChecked) {
     EXPECT_EQ(key_of(wrong), "sensor.relaxation");
   PadScene scene;
   scene.sensor = rubber_of(gel);
-  EXPECT_THROW(PadSolver(pad_layer(0.45)).solve(scene), ValueError) << "a path has no times";
+  EXPECT_THROW(PadSolver(pad_layer(0.45)).solve(scene), ValueError) << "without times";
+  scene.load.times = {1, 2};
+  EXPECT_THROW(scene.validate(), ValueError) << "of one step";
+  scene.load.times = {-1};
+  EXPECT_THROW(scene.validate(), ValueError);
+  scene.load.times = {1};
+  scene.validate();
+  scene.sensor.relaxation.clear();
+  EXPECT_THROW(scene.validate(), ValueError) << "elastic";
 }
 
 }  // namespace

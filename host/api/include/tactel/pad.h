@@ -40,7 +40,8 @@ struct PadLoad {
     std::array<double, 2> tangential{};
     double twist = 0;
   };
-  std::vector<Move> moves{};  ///< instead of drags, as irregular sweeps draw them
+  std::vector<Move> moves{};    ///< instead of drags, as irregular sweeps draw them
+  std::vector<double> times{};  ///< s: of each load step, of a pad that relaxes
 
   /// Return this load with more drags: `steps` equal steps of `step` mm and `twist_step` degrees; to explicit
   /// positions, mm, and twists, degrees. Throw InputError for more than 100000 steps.
