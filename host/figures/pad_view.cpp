@@ -208,6 +208,7 @@ Eigen::MatrixX2d section_outline(const fem::PadIndenter& indenter, double depth)
   const Eigen::RowVector2d from = point_of_section(indenter, box, depth);
   if (!(depth > 0) || !(fem::pad_height(indenter, from[0], from[1]) <= depth)) return Eigen::MatrixX2d(0, 2);
   std::vector<double> angles;
+  angles.reserve(directions + 4);
   for (int k = 0; k < directions; ++k)
     angles.push_back(2 * std::numbers::pi * (k + 0.5) / directions - std::numbers::pi);
   for (const double x : {box.x.left, box.x.right})  // corners stay sharp

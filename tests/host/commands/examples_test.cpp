@@ -29,7 +29,7 @@ class Example : public testing::TestWithParam<std::string> {};
 nlohmann::json solved(const std::vector<std::string>& arguments) {
   const ChildResult result = run_tactel({"solve", "--json", "-"}, arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
+  auto json = nlohmann::json::parse(result.out);
   const bool fine_mesh =
       json["scene"]["sensor"]["columns"] > 81 && json["model"].get<std::string>().starts_with("mesh");
   EXPECT_EQ(without_progress(result.err), fine_mesh ? "warning: the error of this answer is not estimated: its mesh "

@@ -70,11 +70,12 @@ std::string changed(std::string text, const std::string& from, const std::string
 /// The share of a signal's variance that lies at each frequency, by its sums with a sine and a cosine, 0.1 Hz apart.
 double strongest_frequency(const std::vector<double>& signal, double rate) {
   double most = 0, at = 0;
-  for (double frequency = 0.1; frequency < rate / 2; frequency += 0.1) {
+  for (int k = 1; 0.1 * k < rate / 2; ++k) {
+    const double frequency = 0.1 * k;
     double sine = 0, cosine = 0;
-    for (std::size_t k = 0; k < signal.size(); ++k) {
-      const double angle = 2 * std::numbers::pi * frequency / rate * static_cast<double>(k);
-      sine += signal[k] * std::sin(angle), cosine += signal[k] * std::cos(angle);
+    for (std::size_t i = 0; i < signal.size(); ++i) {
+      const double angle = 2 * std::numbers::pi * frequency / rate * static_cast<double>(i);
+      sine += signal[i] * std::sin(angle), cosine += signal[i] * std::cos(angle);
     }
     if (const double power = sine * sine + cosine * cosine; power > most) most = power, at = frequency;
   }
