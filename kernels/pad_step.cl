@@ -363,9 +363,9 @@ static inline void crept_at(global const real *numbers, global const vreal *own,
   EACH(k, 3) { m[k] = 0; }
   EACH(t, CREEP_TERMS) {
     global const real *number = numbers + CREEP_NUMBERS * t;
-    const real e = number[CREEP_E], rest = number[CREEP_B] - e;
     EACH(k, 3) {
-      m[k] = fma(ALL_LANES(number[CREEP_C]), fma(ALL_LANES(e), w[(3 * t + 3 + k) * COUNT], rest * w[k * COUNT]), m[k]);
+      const vreal v = w[(3 * t + 3 + k) * COUNT];
+      m[k] = fma(ALL_LANES(number[CREEP_C]), v + (number[CREEP_LAST] * w[k * COUNT] - number[CREEP_FADES] * v), m[k]);
     }
   }
 }
@@ -425,8 +425,7 @@ kernel void pad_creep_end(uint first_group, global const real *table, global con
         EACH(t, CREEP_TERMS) {
           global const real *number = numbers + CREEP_NUMBERS * t;
           global vreal *to = w + (3 * t + 3 + k) * COUNT;
-          *to = fma(ALL_LANES(number[CREEP_E]), *to,
-                    fma(number[CREEP_B] - number[CREEP_E], last, (1 - number[CREEP_B]) * now));
+          *to += number[CREEP_LAST] * last + (number[CREEP_NEW] * now - number[CREEP_FADES] * *to);
         }
         w[k * COUNT] = now;
       }

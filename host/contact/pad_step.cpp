@@ -557,7 +557,7 @@ double PadStepper<Real>::State::begin_creep() {
   const fem::CreepStep step = creep->law.step(options.dt);
   std::vector<Real> numbers;
   for (const auto& [c, e, b] : step.terms)
-    for (const double number : {c, e, b}) numbers.push_back(static_cast<Real>(number));
+    for (const double number : {c, 1 - e, b - e, 1 - b}) numbers.push_back(static_cast<Real>(number));
   creep->numbers.write(numbers);
   for (Launch* launch : {&*creep->begin, &*creep->end}) launch->set("softer", static_cast<Real>(step.softer));
   run(*creep->begin);

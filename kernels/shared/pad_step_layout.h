@@ -40,7 +40,13 @@ enum PadStepNumber {
 
 /* Rubber that creeps (fem/creep.h) has 3 + 3 terms more fields behind the numbers: w of x, y, z, then v of each term,
    scaled as STEP_GX and STEP_UZ. What each term does in a step, [terms][CREEP_NUMBERS]: */
-enum PadCreepNumber { CREEP_C = 0, CREEP_E, CREEP_B, CREEP_NUMBERS };
+enum PadCreepNumber {
+  CREEP_C = 0,
+  CREEP_FADES, /* 1 - e: small in short steps, of which sums of fp32 keep the digits */
+  CREEP_LAST,  /* b - e */
+  CREEP_NEW,   /* 1 - b */
+  CREEP_NUMBERS
+};
 
 /* A result, `result`, [contact][STEP_RESULT_ROWS]. */
 enum PadStepResultRow {

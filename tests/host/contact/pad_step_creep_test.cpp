@@ -110,6 +110,20 @@ TEST(PadStepCreep, MeetsWrenches) {
   }
 }
 
+// Thousands of short steps: what fp32 rounds does not add up.
+TEST(PadStepCreep, HoldsForThousandsOfShortSteps) {
+  const auto held = [](auto real) {
+    PadStepper<decltype(real)> steps(executor(), gel(), 1, std::array{0.5}, {.cells = 8, .cell = 0.35, .dt = 3e-3});
+    steps.set_surface(0, fem::pad_surface(steps.cells(), object(0), {0, 0}, 0));
+    for (int k = 0; k < 1500; ++k) steps.move(std::array{0.12, k < 10 ? 0.003 * k : 0.03, 0.0, 0.0});
+    return std::array{number(steps, 0, STEP_RESULT_P), number(steps, 0, STEP_RESULT_QX)};
+  };
+  const auto [P, Q] = held(0.0);
+  const auto [P32, Q32] = held(0.0f);
+  EXPECT_NEAR(P32, P, 2e-4 * P);
+  EXPECT_NEAR(Q32, Q, 5e-4 * P);  // of a step's sweeps
+}
+
 // A state has all that rubber remembers: another stepper goes on with the same bits, whatever lies beside it.
 TEST(PadStepCreep, StatesGoOnWithTheSameBits) {
   PadStepper<float> steps(executor(), gel(), count, std::array{0.5}, options_of(1e-3));
