@@ -39,6 +39,18 @@ void put(PadStepper<Real>& steps) {
   for (std::size_t c = 0; c < count; ++c) steps.set_surface(c, fem::pad_surface(steps.cells(), object(c), {0, 0}, 0));
 }
 
+/// The twins of these contacts.
+std::vector<fem::SteppedContact> twins_on(const fem::PadCells& cells, double tolerance) {
+  std::vector<fem::SteppedContact> twins;
+  twins.reserve(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    twins.emplace_back(fem::pad_layer(rubber.poisson), gel(), cells, 0.5,
+                       fem::PadOptions{.cells = 12, .tolerance = tolerance, .accept = 1e-6, .most_sweeps = 4000});
+    twins.back().set_surface(fem::pad_surface(cells, object(c), {0, 0}, 0));
+  }
+  return twins;
+}
+
 struct Time {
   double dt;
   std::array<double, 4> pose;
@@ -52,12 +64,7 @@ template <class Real>
 void expect_twin(double tolerance, double close) {
   PadStepper<Real> steps(executor(), gel(), count, std::array{0.5}, options_of(tolerance));
   put(steps);
-  std::vector<fem::SteppedContact> twins;
-  for (std::size_t c = 0; c < count; ++c) {
-    twins.emplace_back(fem::pad_layer(rubber.poisson), gel(), steps.cells(), 0.5,
-                       fem::PadOptions{.cells = 12, .tolerance = 1e-9, .accept = 1e-6, .most_sweeps = 4000});
-    twins.back().set_surface(fem::pad_surface(steps.cells(), object(c), {0, 0}, 0));
-  }
+  std::vector<fem::SteppedContact> twins = twins_on(steps.cells(), 1e-9);
   for (const auto& [dt, pose] : path) {
     steps.set_dt(dt);
     std::vector<double> poses;
@@ -83,12 +90,7 @@ TEST(PadStepCreep, AgreesWithItsTwinInSinglePrecision) { expect_twin<float>(1e-3
 TEST(PadStepCreep, MeetsWrenches) {
   PadStepper<double> steps(executor(), gel(), count, std::array{0.5}, options_of(1e-9));
   put(steps);
-  std::vector<fem::SteppedContact> twins;
-  for (std::size_t c = 0; c < count; ++c) {
-    twins.emplace_back(fem::pad_layer(rubber.poisson), gel(), steps.cells(), 0.5,
-                       fem::PadOptions{.cells = 12, .tolerance = 1e-10, .accept = 1e-6, .most_sweeps = 4000});
-    twins.back().set_surface(fem::pad_surface(steps.cells(), object(c), {0, 0}, 0));
-  }
+  std::vector<fem::SteppedContact> twins = twins_on(steps.cells(), 1e-10);
   std::array<double, count> last{};
   for (const auto& [dt, Q] : {std::pair{0.0, 0.0}, {0.1, 0.1}, {1.0, 0.1}, {10.0, 0.1}}) {
     const double P = 0.5;
