@@ -106,6 +106,8 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
+  if (scene.markers)
+    throw file.error("markers", file.root().get("markers"), "left out of sweeps: solve and PadStepper have markers");
   // Contacts with free sides take some ten times longer: they are asked for.
   if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
   return scene;
