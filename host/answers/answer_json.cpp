@@ -52,9 +52,8 @@ Json steps_json(const std::vector<Step>& steps, bool base, bool shear) {
     each(quantities<false>(step), [&, &json = all.emplace_back()](const auto& quantity) {
       const std::string_view key = quantity.key;
       if (OfPad<Step> && !shear && key.starts_with("tau")) return;
-      if constexpr (requires { quantity.value.rowwise(); })
-        if (key == "markers" || key == "pixels")
-          if (quantity.value.size() == 0) return;  // not asked for
+      if constexpr (requires { quantity.value.size(); })
+        if (std::string_view(quantity.extent).starts_with("markers") && quantity.value.size() == 0) return;  // none
       json[quantity.key] = !base && key.starts_with("base") ? Json::array() : json_of(quantity.value);
     });
   return all;

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -65,9 +66,10 @@ template <class T>
 void read_numbers(TomlTable& in, T& into, bool complete) {
   fem::each_number<T>([&]<class Value>(const fem::Number<T, Value>& number) {
     bool there = false;
-    if constexpr ((std::is_same_v<T, fem::PadSensor> ||
-                   std::is_same_v<T, Markers>)&&std::is_same_v<Value, std::array<double, 2>>)
-      there = read_pitch(in, number.key, into.*number.member, number.allowed);
+    if constexpr (std::is_same_v<Value, std::array<double, 2>>)
+      there = number.key == std::string_view("pitch")
+                  ? read_pitch(in, number.key, into.*number.member, number.allowed)
+                  : read_number(in, number.key, into.*number.member, number.allowed);
     else
       there = read_number(in, number.key, into.*number.member, number.allowed);
     if (!there && number.needed && complete) in.refuse_missing(number.key, std::string("given, ") + number.allowed);
