@@ -16,10 +16,10 @@
 #include <map>
 #include <variant>
 
-#include "fem/accuracy.h"
-#include "fem/gap_reference.h"
+#include "fem/gap/accuracy.h"
+#include "fem/gap/gap_reference.h"
 #include "host/answers/planner.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
 #include "host/studies/tradeoff/tradeoff.h"
 

@@ -13,8 +13,8 @@
 
 #include "bench/fma_peak.h"
 #include "fem/pad/pad_mix.h"
-#include "host/contact/pad_contact.h"
-#include "host/contact/pad_search.h"
+#include "host/contact/pads/pad_contact.h"
+#include "host/contact/pads/pad_search.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 

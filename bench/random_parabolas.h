@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "fem/contact_solution.h"
-#include "fem/scene.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::bench {
 

@@ -22,10 +22,10 @@
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "host/answers/solve.h"
-#include "host/contact/contact_fallback.h"
-#include "host/contact/contact_stream.h"
-#include "host/contact/patch_contact.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/contact_stream.h"
+#include "host/contact/lines/patch_contact.h"
+#include "host/contact/lines/solve_on_rung.h"
 
 namespace tactel::host {
 namespace {

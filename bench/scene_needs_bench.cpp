@@ -9,12 +9,13 @@
 #include <functional>
 #include <random>
 
-#include "fem/gap_sweep.h"
-#include "fem/solution_difference.h"
+#include "fem/gap/gap_sweep.h"
+#include "fem/gap/solution_difference.h"
+#include "fem/numbers/cache_directory.h"
 #include "host/answers/planner.h"
 #include "host/answers/rung_error.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/scenes/ladder.h"
 #include "tests/host/device/test_device.h"
 

@@ -15,7 +15,8 @@
 #include <memory>
 
 #include "bench/random_parabolas.h"
-#include "fem/gap_sweep.h"
+#include "fem/gap/gap_sweep.h"
+#include "fem/numbers/cache_directory.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fem/pad/pad_surface.h"
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 
 namespace tactel::bench {
 

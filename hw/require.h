@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::hw {
 

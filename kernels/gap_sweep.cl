@@ -59,13 +59,13 @@ typedef struct {
   vreal uy[VECTORS], ux[VECTORS];
 } RowDisplacement;
 
-/* Relative figures of fem/contact_solution.h and the slip distance, mm, from the final forces alone. */
+/* Relative figures of fem/gap/contact_solution.h and the slip distance, mm, from the final forces alone. */
 typedef struct {
   vreal penetration[VECTORS], cone[VECTORS], complementarity[VECTORS], drift[VECTORS];
   vreal slip_distance[VECTORS];
 } Certificate;
 
-/* The sensor, and the host's options (host/contact/gap_sweep.h). */
+/* The sensor, and the host's options (host/contact/lines/gap_sweep.h). */
 typedef struct {
   global const real *compliance; /* [NODES][NODES][C_PARTS]: u_y by n, u_y by t, u_x by n, u_x by t */
   global const real *node;       /* [NODES][NODE_ROWS] */

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/quantile_heads.h"
 
 namespace tactel::nn {

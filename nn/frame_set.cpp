@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/noise_words.h"
 
 namespace tactel::nn {

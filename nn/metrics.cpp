@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::nn {
 namespace {

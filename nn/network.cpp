@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::nn {
 namespace {

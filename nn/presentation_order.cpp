@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/philox.h"
 
 namespace tactel::nn {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/metrics.h"
 
 namespace tactel::nn {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::nn {
 namespace {

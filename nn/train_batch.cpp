@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/quantile_heads.h"
 
 namespace tactel::nn {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/charge_amplifier.h"
 #include "nn/philox.h"
 

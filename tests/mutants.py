@@ -28,7 +28,7 @@ MUTANTS = [
     ("kernels/transducer_chain.cl", "    y += offset;\n", "", "sets", "TransducerChannels.MatchesTwin"),
     ("kernels/transducer_chain.cl", "if (k > 0) y = PICK", "y = PICK", "sets", "TransducerChannels.SkinsMatchTwin"),
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),
-    ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
+    ("fem/gap/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
     ("fem/pad/pad_search.cpp", "indenter.yaw += indenter.tilt_direction;", "indenter.yaw -= indenter.tilt_direction;", "pad",
      "PadLayout.ATiltedPunchMayBeTurned"),

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/block.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 namespace {

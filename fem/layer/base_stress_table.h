@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "fem/layer/layer_table.h"
-#include "fem/sensor.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "fem/clamped_block.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/side_difference.h"
+#include "fem/mesh/clamped_block.h"
 
 namespace tactel::fem {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/condensation.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <optional>
 
-#include "fem/block.h"
 #include "fem/layer/between_nodes.h"
-#include "fem/mesh.h"
+#include "fem/mesh/block.h"
+#include "fem/mesh/mesh.h"
 
 namespace tactel::fem {
 namespace {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "fem/array_cache.h"
-#include "fem/number_text.h"
-#include "fem/processor.h"
-#include "fem/value_error.h"
+#include "fem/numbers/array_cache.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/processor.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::fem {
 

@@ -2,11 +2,12 @@
 #pragma once
 #include <filesystem>
 
-#include "fem/condensation.h"
 #include "fem/layer/base_stress_table.h"
 #include "fem/layer/free_sides.h"
 #include "fem/layer/layer_table.h"
-#include "fem/sensor.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "fem/elements.h"
-#include "fem/mesh.h"
+#include "fem/mesh/elements.h"
+#include "fem/mesh/mesh.h"
 
 namespace tactel::fem {
 namespace {

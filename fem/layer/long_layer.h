@@ -2,7 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 
-#include "fem/sensor.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 

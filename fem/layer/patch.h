@@ -2,7 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 
-#include "fem/indenter.h"
+#include "fem/scenes/indenter.h"
 
 namespace tactel::fem {
 

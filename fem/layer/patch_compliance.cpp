@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "fem/block.h"
 #include "fem/layer/element_compliance.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 

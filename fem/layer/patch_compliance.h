@@ -2,9 +2,9 @@
 #pragma once
 #include <Eigen/Dense>
 
-#include "fem/condensation.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 
@@ -21,7 +21,7 @@ inline constexpr int rows_beyond = 3;
 /// [elements + 2 rows_beyond, elements]; layer and free sides.
 PatchCompliance patch_compliance(const LayerModel& model, const Patch& patch);
 
-/// Returns the patch as the exact solver (fem/gap_condensed.h) wants it: elements are its gap elements. The base is
+/// Returns the patch as the exact solver (fem/gap/gap_condensed.h) wants it: elements are its gap elements. The base is
 /// one node, which bears the sums of the forces.
 Condensation patch_condensation(const LayerModel& model, const Patch& patch);
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/accuracy.h"
+#include "fem/gap/accuracy.h"
 
 namespace tactel::fem {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 #include <algorithm>
 
-#include "fem/accuracy.h"
-#include "fem/contact_laws.h"
+#include "fem/gap/accuracy.h"
+#include "fem/gap/contact_laws.h"
 #include "fem/layer/patch_laws.h"
 
 namespace tactel::fem {

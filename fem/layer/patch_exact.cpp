@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_exact.h"
 
-#include "fem/gap_condensed.h"
+#include "fem/gap/gap_condensed.h"
 #include "fem/layer/patch_compliance.h"
 
 namespace tactel::fem {

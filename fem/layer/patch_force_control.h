@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <limits>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::fem {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_path.h"
 
-#include "fem/load_stepping.h"
+#include "fem/gap/load_stepping.h"
 
 namespace tactel::fem {
 

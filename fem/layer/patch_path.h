@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::fem {
 

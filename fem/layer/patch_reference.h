@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/condensation.h"
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/gap/load_stepping.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch.h"
 #include "fem/layer/patch_contact.h"
-#include "fem/load_stepping.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 
 /// The judge of the patch solver's accuracy: many elements, finer towards edges of the indenter, many increments, and
-/// the exact active-set solver (fem/gap_condensed.h) in fp64. Near an end of the sensor the elements are nodes of a
+/// the exact active-set solver (fem/gap/gap_condensed.h) in fp64. Near an end of the sensor the elements are nodes of a
 /// graded mesh (end_mesh.h). A scene takes seconds. Keeps a reference to the model.
 class PatchReference {
  public:

@@ -2,7 +2,7 @@
 #pragma once
 #include "fem/layer/layer_table.h"
 #include "fem/layer/patch.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::fem {
 

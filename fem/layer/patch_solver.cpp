@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/block.h"
 #include "fem/layer/patch_force_control.h"
 #include "fem/layer/patch_path.h"
 #include "fem/layer/rigid_contact.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 namespace {

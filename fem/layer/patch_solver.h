@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/patch_contact.h"

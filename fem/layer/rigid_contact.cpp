@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/measured_profile.h"
+#include "fem/scenes/measured_profile.h"
 
 namespace tactel::fem {
 namespace {

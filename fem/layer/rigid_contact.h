@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/indenter.h"
+#include "fem/scenes/indenter.h"
 
 namespace tactel::fem {
 

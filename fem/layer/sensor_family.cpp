@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/block.h"
-#include "fem/number_text.h"
-#include "fem/value_error.h"
+#include "fem/mesh/block.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::fem {
 namespace {

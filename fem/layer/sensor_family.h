@@ -6,6 +6,7 @@
 
 #include "fem/layer/end_modes.h"
 #include "fem/layer/layer_model.h"
+#include "fem/numbers/cache_directory.h"
 
 namespace tactel::fem {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/condensation.h"
 #include "fem/layer/long_layer.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <filesystem>
 
-#include "fem/sensor.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 
@@ -30,7 +30,7 @@ inline constexpr double longest_side_block = 24;
 /// `longest_side_block`, 12 columns to a thickness (at least 41) and 25 rows of bbar.
 Sensor side_block(const Sensor& sensor);
 
-/// Condenses the block through the cache of fem/condensation.h.
+/// Condenses the block through the cache of fem/mesh/condensation.h.
 SideDifference side_difference(const Sensor& side_block, const std::filesystem::path& cache_directory);
 
 }  // namespace tactel::fem

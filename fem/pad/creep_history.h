@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "fem/creep.h"
+#include "fem/pad/creep.h"
 #include "fem/pad/pad_contact.h"
 
 namespace tactel::fem {
@@ -23,7 +23,7 @@ class CreepHistory {
  private:
   Creep law_;
   CreepStep step_{};
-  Eigen::MatrixX3d crept_, elastic_;        ///< [cells] mm: m and w of fem/creep.h
+  Eigen::MatrixX3d crept_, elastic_;        ///< [cells] mm: m and w of fem/pad/creep.h
   std::vector<Eigen::MatrixX3d> retarded_;  ///< [terms][cells] mm: v
 };
 

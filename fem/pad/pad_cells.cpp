@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 
 namespace tactel::fem {
 namespace {

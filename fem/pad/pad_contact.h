@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "fem/accuracy.h"
+#include "fem/gap/accuracy.h"
 #include "fem/pad/pad_cells.h"
 #include "fem/pad/pad_table.h"
 

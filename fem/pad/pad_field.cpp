@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "fem/numbers/value_error.h"
 #include "fem/pad/side_kernel.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

@@ -9,8 +9,8 @@
 #include <span>
 #include <utility>
 
-#include "fem/array_cache.h"
-#include "fem/processor.h"
+#include "fem/numbers/array_cache.h"
+#include "fem/numbers/processor.h"
 
 namespace tactel::fem {
 namespace {

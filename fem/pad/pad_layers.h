@@ -3,7 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
 #include "fem/pad/pad_layer.h"
 #include "fem/pad/pad_scene.h"
 

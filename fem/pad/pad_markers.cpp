@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
-#include "fem/number_text.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/bessel.h"
 #include "fem/pad/side_kernel.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

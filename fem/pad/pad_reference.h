@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/answer_error.h"
+#include "fem/gap/answer_error.h"
 #include "fem/pad/pad_solver.h"
 
 namespace tactel::fem {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <tuple>
 
-#include "fem/angles.h"
-#include "fem/number_text.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_markers.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

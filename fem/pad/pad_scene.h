@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "fem/indenter.h"
+#include "fem/scenes/indenter.h"
 
 namespace tactel::fem {
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include "fem/angles.h"
 #include "fem/layer/patch_search.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_layers.h"
 
 namespace tactel::fem {

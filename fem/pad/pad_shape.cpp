@@ -4,13 +4,13 @@
 #include <limits>
 #include <type_traits>
 
-#include "fem/angles.h"
-#include "fem/measured_profile.h"
-#include "fem/number_text.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_scene.h"
-#include "fem/shape_numbers.h"
-#include "fem/value_error.h"
+#include "fem/scenes/measured_profile.h"
+#include "fem/scenes/shape_numbers.h"
 
 namespace tactel::fem {
 namespace {

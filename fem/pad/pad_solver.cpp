@@ -7,15 +7,15 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/creep_history.h"
 #include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
 #include "fem/pad/pad_contact.h"
 #include "fem/pad/pad_layer.h"
 #include "fem/pad/pad_scene.h"

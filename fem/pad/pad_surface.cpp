@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/side_kernel.h"
 
 namespace tactel::fem {

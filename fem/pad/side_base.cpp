@@ -5,13 +5,14 @@
 #include <cmath>
 #include <span>
 
-#include "fem/array_cache.h"
-#include "fem/number_text.h"
+#include "fem/numbers/array_cache.h"
+#include "fem/numbers/cache_directory.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/processor.h"
 #include "fem/pad/brick.h"
 #include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/parity.h"
-#include "fem/processor.h"
 
 namespace tactel::fem {
 namespace {

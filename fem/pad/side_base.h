@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <functional>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
 #include "fem/pad/base_block.h"
 #include "fem/pad/side_grid.h"
 

@@ -9,12 +9,13 @@
 #include <span>
 #include <tuple>
 
-#include "fem/array_cache.h"
-#include "fem/number_text.h"
+#include "fem/numbers/array_cache.h"
+#include "fem/numbers/cache_directory.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/processor.h"
 #include "fem/pad/brick_block.h"
 #include "fem/pad/endless_bricks.h"
 #include "fem/pad/parity.h"
-#include "fem/processor.h"
 
 namespace tactel::fem {
 namespace {

@@ -6,7 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
 #include "fem/pad/pad_scene.h"
 #include "fem/pad/side_base.h"
 #include "fem/pad/side_grid.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "host/answers/answer_table.h"
 #include "host/answers/convergence.h"
 #include "host/answers/step_quantities.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "host/answers/convergence.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"

@@ -7,16 +7,17 @@
 #include <cmath>
 #include <numeric>
 
-#include "fem/condensation.h"
-#include "fem/gap_condensed.h"
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_condensed.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/load_stepping.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "fem/layer/patch_solver.h"
-#include "fem/load_stepping.h"
-#include "fem/value_error.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
+#include "fem/numbers/value_error.h"
 #include "host/answers/rung_error.h"
-#include "host/contact/contact_fallback.h"
+#include "host/contact/lines/contact_fallback.h"
 
 namespace tactel::host {
 namespace {

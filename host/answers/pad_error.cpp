@@ -10,7 +10,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/side_kernel.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/support/stop_scope.h"
 
 namespace tactel::host {

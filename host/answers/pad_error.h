@@ -10,7 +10,7 @@
 
 #include "fem/pad/pad_solver.h"
 #include "host/answers/rung_error.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/pads/pad_rung.h"
 
 namespace tactel::host {
 

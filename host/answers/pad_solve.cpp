@@ -8,7 +8,7 @@
 #include "fem/pad/pad_reference.h"
 #include "host/answers/solve.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "fem/answer_error.h"
-#include "fem/contact_solution.h"
-#include "fem/scene.h"
+#include "fem/gap/answer_error.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/ladder.h"
 
 namespace tactel::host {

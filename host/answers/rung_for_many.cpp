@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "host/contact/sensor_tables.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/sensor_tables.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"
 

@@ -7,7 +7,7 @@
 #include "fem/layer/sensor_family.h"
 #include "host/answers/planner.h"
 #include "host/answers/solve.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/pads/pad_rung.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {

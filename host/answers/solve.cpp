@@ -7,10 +7,10 @@
 #include <cmath>
 #include <span>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "fem/layer/patch_solver.h"
-#include "host/contact/contact_stream.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/contact_stream.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/scenes/ladder.h"
 #include "host/support/errors.h"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
 #include "fem/pad/pad_solver.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/answers/mesh_error.h"
 #include "host/answers/pad_error.h"
 #include "host/answers/planner.h"

@@ -2,8 +2,8 @@
 #pragma once
 #include <array>
 
-#include "fem/angles.h"
-#include "fem/contact_laws.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_solver.h"
 #include "host/answers/quantities.h"
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <tuple>
 
+#include "fem/gap/stress_field.h"
 #include "fem/pad/pad_presses.h"
-#include "fem/stress_field.h"
 #include "host/answers/answer_table.h"
 #include "host/contact/limits.h"
 #include "host/scenes/ladder.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/angles.h"
-#include "fem/value_error.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/value_error.h"
 #include "host/api/scene_conversion.h"
 
 namespace tactel::api {

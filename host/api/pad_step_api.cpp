@@ -8,13 +8,13 @@
 #include <optional>
 #include <variant>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/side_kernel.h"
-#include "fem/value_error.h"
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_step_layout.h"

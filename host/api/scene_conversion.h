@@ -3,7 +3,7 @@
 #include <tactel/pad.h>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/answers/solve.h"
 #include "host/api/api_errors.h"
 

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "fem/load_stepping.h"
+#include "fem/gap/load_stepping.h"
 #include "host/answers/rung_for_many.h"
 #include "host/answers/step_quantities.h"
 #include "host/api/scene_conversion.h"
-#include "host/contact/contact_stream.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/lines/contact_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"

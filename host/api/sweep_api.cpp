@@ -9,7 +9,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/pads/pad_rung.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"

@@ -3,12 +3,12 @@
 
 #include <optional>
 
+#include "fem/gap/stress_field.h"
 #include "fem/pad/side_kernel.h"
-#include "fem/stress_field.h"
 #include "host/answers/rung_for_many.h"
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/pads/pad_rung.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"

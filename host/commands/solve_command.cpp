@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "fem/gap/stress_field.h"
 #include "fem/pad/side_kernel.h"
-#include "fem/stress_field.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/answer_page.h"
 #include "host/answers/answer_table.h"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "fem/contact_laws.h"
-#include "fem/scene.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/scenes/scene.h"
 #include "host/device/buffer.h"
 #include "host/device/executor.h"
 #include "kernels/shared/result_rows.h"

@@ -7,10 +7,10 @@
 #include <variant>
 
 #include "fem/layer/sensor_family.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/contact/contact_batch.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/patch_contact.h"
 #include "host/scenes/ladder.h"
 
 namespace tactel::host {

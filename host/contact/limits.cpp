@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/angles.h"
-#include "fem/number_text.h"
+#include "fem/gap/stress_field.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/number_text.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_search.h"
-#include "fem/stress_field.h"
-#include "fem/value_error.h"
 #include "host/support/stop_scope.h"
 
 namespace tactel::host {

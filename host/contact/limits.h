@@ -5,7 +5,7 @@
 #include <string>
 
 #include "fem/pad/pad_solver.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 // Up to where the models of contact hold.
 

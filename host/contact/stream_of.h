@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/contact/contact_batch.h"
-#include "host/contact/sensor_tables.h"
+#include "host/contact/lines/sensor_tables.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "fem/cache_directory.h"
+#include "fem/numbers/cache_directory.h"
 #include "host/support/address_space.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"

@@ -21,7 +21,7 @@
 #include <thread>
 #include <utility>
 
-#include "fem/cache_directory.h"
+#include "fem/numbers/cache_directory.h"
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"

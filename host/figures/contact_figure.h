@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/contact_solution.h"
-#include "fem/scene.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/scenes/scene.h"
 #include "host/figures/plot.h"
 
 namespace tactel::host {

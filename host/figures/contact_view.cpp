@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/stress_field.h"
+#include "fem/gap/stress_field.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/grid_field.h"
 

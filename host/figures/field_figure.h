@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "fem/stress_field.h"
+#include "fem/gap/stress_field.h"
 #include "host/figures/plot.h"
 
 namespace tactel::host {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "fem/mesh.h"
+#include "fem/mesh/mesh.h"
 
 namespace tactel::host {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "host/figures/pad_view.h"
 #include "host/figures/plot.h"
 

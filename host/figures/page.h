@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
 #include "fem/pad/pad_solver.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/figures/plot.h"
 
 namespace tactel::host {

@@ -2,9 +2,9 @@
 #pragma once
 #include <string>
 
+#include "fem/gap/stress_field.h"
 #include "fem/pad/pad_field.h"
 #include "fem/pad/pad_solver.h"
-#include "fem/stress_field.h"
 
 namespace tactel::host {
 

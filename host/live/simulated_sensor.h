@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "fem/contact_solution.h"
+#include "fem/gap/contact_solution.h"
 #include "host/answers/solve.h"
 #include "host/live/sensor_profile.h"
 #include "hw/frame_source.h"

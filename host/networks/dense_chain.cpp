@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::host {
 namespace {

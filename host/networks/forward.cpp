@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/device/unwritten.h"
 #include "kernels/shared/frame_status.h"
 #include "kernels/shared/network_work.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/networks/learning_inputs.h"
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::host {
 namespace {

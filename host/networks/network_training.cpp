@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
 #include "host/networks/training_schedule.h"
 #include "host/networks/validation.h"

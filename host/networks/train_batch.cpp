@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/device/unwritten.h"
 #include "host/networks/forward.h"
 #include "kernels/shared/network_work.h"

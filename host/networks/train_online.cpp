@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
 #include "kernels/shared/network_work.h"
 #include "kernels/shared/random_streams.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "fem/shape_numbers.h"
+#include "fem/scenes/shape_numbers.h"
 
 namespace tactel::python {
 
@@ -83,7 +83,7 @@ py::class_<Value> value_class(py::module_& module, const char* name, const char*
   return bound;
 }
 
-/// Adds the fields that the table of a struct has (fem/shape_numbers.h).
+/// Adds the fields that the table of a struct has (fem/scenes/shape_numbers.h).
 template <class T>
 void add_fields(py::class_<T>& bound) {
   fem::each_number<T>([&](const auto& number) { bound.def_readonly(number.key, number.member, number.meaning); });

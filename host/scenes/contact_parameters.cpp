@@ -6,7 +6,7 @@
 #include <set>
 #include <string_view>
 
-#include "fem/scene_numbers.h"
+#include "fem/scenes/scene_numbers.h"
 
 namespace tactel::host {
 namespace {

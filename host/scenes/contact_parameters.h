@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::host {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::host {
 

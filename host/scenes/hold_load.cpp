@@ -8,7 +8,7 @@
 #include <numbers>
 #include <span>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "host/scenes/path_draws.h"
 
 namespace tactel::host {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/distribution.h"
 
 namespace tactel::host {

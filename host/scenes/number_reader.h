@@ -9,14 +9,14 @@
 #include <variant>
 #include <vector>
 
-#include "fem/scene_numbers.h"
+#include "fem/scenes/scene_numbers.h"
 #include "host/scenes/toml_table.h"
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
 
-// Reading the numbers of a struct as its table has them (fem/scene_numbers.h). Each function returns whether the key is
-// there.
+// Reading the numbers of a struct as its table has them (fem/scenes/scene_numbers.h). Each function returns whether the
+// key is there.
 
 template <class Value>
 bool read_number(TomlTable& in, const char* key, Value& value, const char* allowed) {

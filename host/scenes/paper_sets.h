@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/scene_source.h"
 
 namespace tactel::host {

@@ -2,8 +2,8 @@
 #pragma once
 #include <filesystem>
 
-#include "fem/indenter.h"
 #include "fem/pad/pad_scene.h"
+#include "fem/scenes/indenter.h"
 
 namespace tactel::host {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "fem/angles.h"
-#include "fem/scene_numbers.h"
+#include "fem/numbers/angles.h"
+#include "fem/scenes/scene_numbers.h"
 
 namespace tactel::host {
 namespace {

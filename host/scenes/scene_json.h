@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::host {
 

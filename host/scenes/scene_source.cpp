@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/angles.h"
-#include "fem/block.h"
+#include "fem/mesh/block.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_solver.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/support/errors.h"

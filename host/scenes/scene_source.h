@@ -12,7 +12,7 @@
 
 #include "fem/layer/sensor_family.h"
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/contact_parameters.h"
 #include "host/scenes/distributed_keys.h"
 #include "host/scenes/distribution.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "fem/angles.h"
-#include "fem/scene.h"
+#include "fem/numbers/angles.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/toml_table.h"
 
 namespace tactel::host {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/indenter.h"
+#include "fem/scenes/indenter.h"
 #include "host/scenes/toml_table.h"
 
 namespace tactel::host {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/support/errors.h"
 
 // Forward declarations of toml++; only the sources of scenes/ include its long header.

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_surface.h"
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "fem/accuracy.h"
+#include "fem/gap/accuracy.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/stage_seconds.h"
 #include "host/support/stop_scope.h"

@@ -49,7 +49,8 @@ enum HeldResultRow {
 };
 
 /// Grips, for a stream: contacts with one sensor that press in as many frames are stepped together
-/// (host/contact/pad_step.h), a frame a step. The answer of a grip depends on its scene alone. None is solved again.
+/// (host/contact/pads/pad_step.h), a frame a step. The answer of a grip depends on its scene alone. None is solved
+/// again.
 class HeldContacts {
  public:
   using Scene = HeldScene;

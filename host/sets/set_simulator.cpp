@@ -8,13 +8,13 @@
 #include <numeric>
 #include <optional>
 
-#include "fem/angles.h"
-#include "fem/contact_laws.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_layers.h"
-#include "host/contact/contact_stream.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_stream.h"
-#include "host/contact/sensor_tables.h"
+#include "host/contact/lines/contact_stream.h"
+#include "host/contact/lines/sensor_tables.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/sets/held_contacts.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"

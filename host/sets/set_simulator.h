@@ -3,8 +3,8 @@
 #include <atomic>
 #include <vector>
 
-#include "host/contact/gap_sweep.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/pads/pad_rung.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/contact_set.h"
 #include "host/sets/stage_seconds.h"

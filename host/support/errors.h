@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel {
 

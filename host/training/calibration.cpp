@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
 #include "host/support/errors.h"
 

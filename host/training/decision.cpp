@@ -10,8 +10,8 @@
 #include <numeric>
 #include <optional>
 
-#include "fem/angles.h"
-#include "fem/value_error.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/value_error.h"
 #include "host/scenes/sweep_file.h"
 #include "host/support/errors.h"
 #include "host/training/network_report.h"

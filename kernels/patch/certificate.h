@@ -4,7 +4,7 @@
 #define TACTEL_PATCH_CERTIFICATE_H
 #include "patch/sweep.h"
 
-/* Relative figures of fem/contact_solution.h and the slip distance, mm, from the final forces alone. */
+/* Relative figures of fem/gap/contact_solution.h and the slip distance, mm, from the final forces alone. */
 typedef struct {
   vreal penetration, cone, complementarity, drift, slip_distance;
   vreal largest_uy;

@@ -38,7 +38,7 @@ enum PadStepNumber {
 };
 #define STEP_UNKNOWN 1e30f
 
-/* Rubber that creeps (fem/creep.h) has 3 + 3 terms more fields behind the numbers: w of x, y, z, then v of each term,
+/* Rubber that creeps (fem/pad/creep.h) has 3 + 3 terms more fields behind the numbers: w of x, y, z, then v of each term,
    scaled as STEP_GX and STEP_UZ. What each term does in a step, [terms][CREEP_NUMBERS]: */
 enum PadCreepNumber {
   CREEP_C = 0,

@@ -13,7 +13,7 @@ enum ResultRow {
   RESULT_SLIPPING,      /* nodes or cells that slip */
   RESULT_SWEEPS,        /* of this step */
   RESULT_STATUS,        /* LaneStatus */
-  RESULT_PENETRATION,   /* the certificate, relative as in fem/contact_solution.h and fem/pad/pad_contact.h */
+  RESULT_PENETRATION,   /* the certificate, relative as in fem/gap/contact_solution.h and fem/pad/pad_contact.h */
   RESULT_COMPLEMENTARITY,
   RESULT_CONE,
   RESULT_DRIFT,

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <memory>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/loaded_network.h"
 #include "nn/infer/network_graph.h"

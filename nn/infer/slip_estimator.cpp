@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/features.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/built_in.h"

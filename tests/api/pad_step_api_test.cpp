@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 #include "kernels/shared/pad_step_layout.h"
 #include "tests/thrown_message.h"
 

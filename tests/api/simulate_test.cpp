@@ -7,9 +7,9 @@
 
 #include <cmath>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/answers/solve.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"
 #include "host/scenes/scene_file.h"

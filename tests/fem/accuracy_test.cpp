@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The rule of acceptance, worked by hand.
-#include "fem/accuracy.h"
+#include "fem/gap/accuracy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/array_cache.h"
+#include "fem/numbers/array_cache.h"
 
 #include <gtest/gtest.h>
 

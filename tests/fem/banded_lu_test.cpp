@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/banded_lu.h"
+#include "fem/numbers/banded_lu.h"
 
 #include <gtest/gtest.h>
 

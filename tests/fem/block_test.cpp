@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/block.h"
+#include "fem/mesh/block.h"
 
 #include <gtest/gtest.h>
 
-#include "fem/clamped_block.h"
-#include "fem/elements.h"
+#include "fem/mesh/clamped_block.h"
+#include "fem/mesh/elements.h"
 #include "sensors.h"
 #include "surface_load.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/block.h"
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <thread>
 
-#include "fem/cache_directory.h"
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
+#include "fem/numbers/cache_directory.h"
 #include "sensors.h"
 #include "tests/fem/resealed.h"
 #include "tests/scratch.h"

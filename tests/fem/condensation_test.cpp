@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
 
 #include <cmath>
 #include <iostream>
 
 #include "expect_error.h"
-#include "fem/block.h"
-#include "fem/clamped_block.h"
+#include "fem/mesh/block.h"
+#include "fem/mesh/clamped_block.h"
 #include "sensors.h"
 
 namespace tactel::fem {

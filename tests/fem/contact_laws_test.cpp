@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/contact_laws.h"
+#include "fem/gap/contact_laws.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 // Retardation from relaxation: by the numbers of an independent program, by the convolution that ties both, at
 // extremes.
-#include "fem/creep.h"
+#include "fem/pad/creep.h"
 
 #include <gtest/gtest.h>
 

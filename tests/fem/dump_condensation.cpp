@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/elements.h"
+#include "fem/mesh/elements.h"
 
 #include <gtest/gtest.h>
 
-#include "fem/shape_functions.h"
+#include "fem/mesh/shape_functions.h"
 #include "sensors.h"
 
 namespace tactel::fem {

@@ -2,7 +2,7 @@
 #pragma once
 #include <gmock/gmock.h>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel {
 

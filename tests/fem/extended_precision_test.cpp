@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
 #include "sensors.h"
 
 namespace tactel::fem {

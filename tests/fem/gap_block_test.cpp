@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/gap_block.h"
+#include "fem/gap/gap_block.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "fem/block.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 namespace {

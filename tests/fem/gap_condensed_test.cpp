@@ -2,13 +2,13 @@
 
 // The status iteration on the condensed compliance against the same on the whole mesh: C is all that contact can ask of
 // the block.
-#include "fem/gap_condensed.h"
+#include "fem/gap/gap_condensed.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 
 namespace tactel::fem {
 namespace {

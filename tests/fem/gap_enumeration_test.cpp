@@ -10,9 +10,9 @@
 #include <limits>
 #include <random>
 
-#include "fem/block.h"
-#include "fem/gap_block.h"
-#include "fem/gap_increment.h"
+#include "fem/gap/gap_block.h"
+#include "fem/gap/gap_increment.h"
+#include "fem/mesh/block.h"
 
 namespace tactel::fem {
 namespace {

@@ -4,13 +4,13 @@
 // worked by hand:
 //   node:  f_x = 2 u_x + u_y,  f_y = u_x + 4 u_y        (forces on the rubber; n = -f_y, t = f_x)
 // With contact at depth d, u_y = -d:  t = 2 u_x - d,  n = 4 d - u_x.
-#include "fem/gap_increment.h"
+#include "fem/gap/gap_increment.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "fem/gap_block.h"
+#include "fem/gap/gap_block.h"
 
 namespace tactel::fem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <numbers>
 #include <random>
 
-#include "fem/condensation.h"
-#include "fem/contact_laws.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 namespace {

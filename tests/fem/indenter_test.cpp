@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/indenter.h"
+#include "fem/scenes/indenter.h"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "expect_error.h"
-#include "fem/measured_profile.h"
+#include "fem/scenes/measured_profile.h"
 
 namespace tactel::fem {
 namespace {

@@ -104,7 +104,7 @@ def base_stress_by_element(s, x, y, u, v):
 
 
 def condense(s):
-    """C, T and tactel stress in the order of fem/condensation.h."""
+    """C, T and tactel stress in the order of fem/mesh/condensation.h."""
     x, y = grid(s)
     columns, nodes = s["columns"], s["columns"] * s["rows"]
     k = stiffness(s, x, y)

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iomanip>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "test_paths.h"
 
 namespace tactel::fem {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/load_stepping.h"
+#include "fem/gap/load_stepping.h"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/mesh.h"
+#include "fem/mesh/mesh.h"
 
 #include <gmock/gmock.h>
 
-#include "fem/block.h"
+#include "fem/mesh/block.h"
 #include "sensors.h"
 
 namespace tactel::fem {

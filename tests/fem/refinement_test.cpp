@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <map>
 
-#include "fem/clamped_block.h"
+#include "fem/mesh/clamped_block.h"
 #include "sensors.h"
 #include "surface_load.h"
 

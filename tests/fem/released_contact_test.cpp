@@ -5,9 +5,9 @@
 
 #include <limits>
 
-#include "fem/gap_condensed.h"
-#include "fem/gap_reference.h"
-#include "fem/gap_sweep.h"
+#include "fem/gap/gap_condensed.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/gap_sweep.h"
 
 namespace tactel::fem {
 namespace {

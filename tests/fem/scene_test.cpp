@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/sensor.h"
+#include "fem/scenes/sensor.h"
 
 #include <limits>
 

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string>
 
-#include "fem/sensor.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/shape_functions.h"
+#include "fem/mesh/shape_functions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fem/solution_difference.h"
+#include "fem/gap/solution_difference.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The field inside the block.
-#include "fem/stress_field.h"
+#include "fem/gap/stress_field.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 
 namespace tactel::fem {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/mesh.h"
-#include "fem/shape_functions.h"
+#include "fem/mesh/mesh.h"
+#include "fem/mesh/shape_functions.h"
 
 namespace tactel::fem {
 

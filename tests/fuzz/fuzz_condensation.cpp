@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "fem/condensation.h"
+#include "fem/mesh/condensation.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tactel::fuzz {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Scene files of lines and pads. A measured profile lies beside the input as measured.csv.
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/scene_file.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/measured_profile.h"

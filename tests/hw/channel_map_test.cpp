@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "tests/thrown_message.h"
 
 namespace tactel::hw {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
 namespace tactel::hw::testing {

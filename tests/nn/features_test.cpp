@@ -7,7 +7,7 @@
 
 #include <random>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/forward.h"
 #include "nn/frame_set.h"
 #include "nn/learning_view.h"

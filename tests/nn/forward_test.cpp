@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 using namespace tactel;
 using namespace tactel::nn;

@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/forward.h"
 #include "nn/frame_set.h"
 

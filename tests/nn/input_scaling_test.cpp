@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/frame_set.h"
 #include "tests/fem/expect_error.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/frame_set.h"
 #include "nn/noise_words.h"
 #include "nn/philox.h"

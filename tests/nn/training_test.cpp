@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/train_batch.h"
 #include "nn/train_online.h"
 #include "tests/nn/random_set.h"

@@ -11,7 +11,7 @@
 #include <limits>
 #include <map>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::nn {
 namespace {

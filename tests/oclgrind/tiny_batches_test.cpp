@@ -6,14 +6,14 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/pad/pad_step.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/pad_contact.h"
-#include "host/contact/pad_search.h"
-#include "host/contact/pad_step.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/patch_contact.h"
+#include "host/contact/pads/pad_contact.h"
+#include "host/contact/pads/pad_search.h"
+#include "host/contact/pads/pad_step.h"
 #include "host/device/opencl.h"
 #include "host/networks/forward.h"
 #include "host/networks/train_batch.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "fem/gap_reference.h"
-#include "fem/value_error.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/solve_on_rung.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/numbers/value_error.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/studies/extremes/extremes.h"
 #include "kernels/shared/contact_layout.h"
 

@@ -5,18 +5,18 @@
 
 #include <cmath>
 
-#include "fem/contact_laws.h"
-#include "fem/gap_reference.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/solution_difference.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_search.h"
-#include "fem/solution_difference.h"
-#include "host/contact/contact_fallback.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_stream.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/solve_on_rung.h"
+#include "host/contact/pads/pad_stream.h"
 
 namespace tactel::host {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fem/pad/pad_scene.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <unsupported/Eigen/Splines>
 
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 
 namespace tactel::host {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "fem/contact_solution.h"
-#include "fem/scene.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/scenes/scene.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {

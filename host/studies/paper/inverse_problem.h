@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 #include "host/device/executor.h"
 #include "host/networks/network_training.h"
 #include "host/sets/contact_set.h"

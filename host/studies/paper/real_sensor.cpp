@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/sets/transducer_chain.h"
 #include "nn/philox.h"
 

@@ -6,7 +6,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_reference.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/studies/tradeoff/tradeoff.h"
 #include "host/support/errors.h"
 #include "host/support/seconds.h"

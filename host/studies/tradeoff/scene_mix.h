@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::host {
 

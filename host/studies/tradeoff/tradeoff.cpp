@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "host/answers/planner.h"
-#include "host/contact/contact_stream.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/contact_stream.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
 #include "host/support/seconds.h"
 

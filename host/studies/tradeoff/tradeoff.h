@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/answers/rung_error.h"
-#include "host/contact/pad_rung.h"
+#include "host/contact/pads/pad_rung.h"
 #include "host/contact/stream_of.h"
 #include "host/device/executor.h"
 

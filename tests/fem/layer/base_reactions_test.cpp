@@ -9,9 +9,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fem/condensation.h"
 #include "fem/layer/layer_table.h"
 #include "fem/layer/long_layer.h"
+#include "fem/mesh/condensation.h"
 
 namespace tactel::fem {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fem/mesh.h"
+#include "fem/mesh/mesh.h"
 
 namespace tactel::fem {
 namespace {

@@ -9,11 +9,12 @@
 #include <cmath>
 
 #include "../sensors.h"
-#include "fem/gap_condensed.h"
+#include "fem/gap/gap_condensed.h"
 #include "fem/layer/element_compliance.h"
 #include "fem/layer/long_layer.h"
 #include "fem/layer/patch_solver.h"
-#include "fem/value_error.h"
+#include "fem/numbers/cache_directory.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::fem {
 namespace {

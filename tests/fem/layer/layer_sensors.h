@@ -3,7 +3,7 @@
 #include <map>
 
 #include "fem/layer/layer_model.h"
-#include "fem/scene.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::fem {
 

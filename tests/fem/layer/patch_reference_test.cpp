@@ -8,10 +8,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/gap_condensed.h"
+#include "fem/gap/gap_condensed.h"
 #include "fem/layer/element_compliance.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/layer/strip_compliance.h"
+#include "fem/numbers/cache_directory.h"
 #include "layer_sensors.h"
 
 namespace tactel::fem {

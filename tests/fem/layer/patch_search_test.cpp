@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "fem/gap_condensed.h"
+#include "fem/gap/gap_condensed.h"
 #include "fem/layer/frictionless_pressing.h"
 #include "fem/layer/patch_compliance.h"
 #include "layer_sensors.h"

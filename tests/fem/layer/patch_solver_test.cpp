@@ -10,8 +10,8 @@
 #include <limits>
 #include <numbers>
 
-#include "fem/contact_laws.h"
-#include "fem/gap_condensed.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/gap/gap_condensed.h"
 #include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_laws.h"
 #include "layer_sensors.h"

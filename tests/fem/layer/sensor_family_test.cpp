@@ -11,7 +11,7 @@
 #include <random>
 
 #include "fem/layer/patch_solver.h"
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::fem {
 namespace {

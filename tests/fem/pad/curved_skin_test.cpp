@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/pad_solver.h"
 #include "fem/pad/pad_surface.h"
-#include "fem/value_error.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
 namespace tactel::fem {

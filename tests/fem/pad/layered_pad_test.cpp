@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "fem/layer/layer_transforms.h"
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

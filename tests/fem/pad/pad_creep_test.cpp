@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "fem/creep.h"
+#include "fem/numbers/value_error.h"
+#include "fem/pad/creep.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
-#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {

@@ -9,9 +9,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_field.h"
 #include "fem/pad/pad_layers.h"
-#include "fem/value_error.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
 namespace tactel::fem {

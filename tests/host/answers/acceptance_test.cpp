@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "fem/contact_laws.h"
+#include "fem/gap/contact_laws.h"
 #include "host/answers/solve.h"
 #include "host/contact/contact_model.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

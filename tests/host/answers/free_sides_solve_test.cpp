@@ -9,7 +9,7 @@
 #include "host/answers/answer_json.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/scenes/scene_json.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "fem/contact_laws.h"
-#include "fem/gap_reference.h"
-#include "fem/solution_difference.h"
+#include "fem/gap/contact_laws.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/solution_difference.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
 #include "test_paths.h"

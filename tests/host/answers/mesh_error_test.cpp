@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "fem/gap_reference.h"
-#include "fem/load_stepping.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/load_stepping.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/answer_table.h"
 #include "host/answers/solve.h"

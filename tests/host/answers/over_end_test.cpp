@@ -8,8 +8,8 @@
 
 #include "host/answers/mesh_error.h"
 #include "host/answers/solve.h"
-#include "host/contact/contact_fallback.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/patch_contact.h"
 
 namespace tactel::host {
 namespace {

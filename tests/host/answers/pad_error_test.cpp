@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "fem/angles.h"
+#include "fem/numbers/angles.h"
 #include "fem/pad/pad_reference.h"
 #include "host/answers/answer_json.h"
 #include "host/answers/answer_table.h"

@@ -16,7 +16,7 @@
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 #include "host/contact/limits.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
 #include "tests/fem/pad/named_pad_scenes.h"

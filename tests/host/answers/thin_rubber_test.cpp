@@ -8,8 +8,8 @@
 
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
-#include "host/contact/contact_fallback.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/patch_contact.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fem/gap_reference.h"
-#include "host/contact/gap_sweep.h"
+#include "fem/gap/gap_reference.h"
+#include "host/contact/lines/gap_sweep.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_production.h"
 #include "host/support/checksum.h"

@@ -10,7 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/checksum.h"
 #include "tests/host/support/run_tactel.h"

@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "fem/contact_laws.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/solve_on_rung.h"
+#include "fem/gap/contact_laws.h"
+#include "host/contact/lines/gap_sweep.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 

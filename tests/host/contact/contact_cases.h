@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "fem/scene.h"
-#include "fem/solution_difference.h"
+#include "fem/gap/solution_difference.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::testing {
 

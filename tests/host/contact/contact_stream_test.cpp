@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The stream on a model made up here, whose answers are known, and on contacts of the line.
-#include "host/contact/contact_stream.h"
+#include "host/contact/lines/contact_stream.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <map>
 
-#include "host/contact/contact_fallback.h"
+#include "host/contact/lines/contact_fallback.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"

@@ -2,17 +2,17 @@
 
 // The batched contact kernel against the full-mesh reference, against its Eigen twin, and against laws that neither
 // knows.
-#include "host/contact/gap_sweep.h"
+#include "host/contact/lines/gap_sweep.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "fem/gap_reference.h"
-#include "fem/gap_sweep.h"
-#include "fem/value_error.h"
-#include "host/contact/solve_on_rung.h"
+#include "fem/gap/gap_reference.h"
+#include "fem/gap/gap_sweep.h"
+#include "fem/numbers/value_error.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"

@@ -3,7 +3,7 @@
 // The same bits at every number of lanes that a device may have: 1 on a GPU, 4 with SSE, 8 with AVX, 16 with AVX-512.
 #include <gtest/gtest.h>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/lines/gap_sweep.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "fem/contact_solution.h"
-#include "fem/scene.h"
+#include "fem/gap/contact_solution.h"
+#include "fem/scenes/scene.h"
 
 namespace tactel::testing {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "fem/pad/pad_mix.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/device/test_device.h"
 

@@ -2,7 +2,7 @@
 
 // The pad kernel against its twin, against the totals of an independent program, and against itself in other lanes,
 // orders, vectors and batches.
-#include "host/contact/pad_contact.h"
+#include "host/contact/pads/pad_contact.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
-#include "host/contact/pad_contact_tables.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_contact_tables.h"
+#include "host/contact/pads/pad_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/fem/pad/named_pad_scenes.h"

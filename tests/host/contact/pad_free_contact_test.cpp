@@ -9,8 +9,8 @@
 #include <string>
 
 #include "fem/pad/pad_layers.h"
-#include "host/contact/pad_contact.h"
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_contact.h"
+#include "host/contact/pads/pad_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/device/test_device.h"

@@ -2,7 +2,7 @@
 
 // The search's kernel against its twin, against Hertz, against mirror images, and against itself in other batches and
 // lanes.
-#include "host/contact/pad_search.h"
+#include "host/contact/pads/pad_search.h"
 
 #include <gtest/gtest.h>
 

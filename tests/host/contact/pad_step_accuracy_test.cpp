@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fem/pad/pad_step.h"
-#include "host/contact/pad_contact.h"
+#include "host/contact/pads/pad_contact.h"
 #include "tests/host/contact/stepped.h"
 
 namespace tactel::host {

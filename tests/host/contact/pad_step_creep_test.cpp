@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
-#include "fem/value_error.h"
 #include "tests/host/contact/stepped.h"
 
 namespace tactel::host {

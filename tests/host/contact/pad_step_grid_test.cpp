@@ -9,10 +9,10 @@
 #include <cmath>
 #include <vector>
 
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_step.h"
-#include "fem/value_error.h"
 #include "tests/host/contact/stepped.h"
 #include "tests/thrown_message.h"
 

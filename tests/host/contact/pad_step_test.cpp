@@ -2,7 +2,7 @@
 
 // Steps against the path that pad_contact solves, and against themselves in other batches, orders and lanes, and from a
 // state.
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@
 #include <numeric>
 #include <random>
 
+#include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_step.h"
-#include "fem/value_error.h"
-#include "host/contact/pad_contact.h"
+#include "host/contact/pads/pad_contact.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/contact/stepped.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The stream of contacts on pads: every scene once, in place or solved again, with the numbers of its solution.
-#include "host/contact/pad_stream.h"
+#include "host/contact/pads/pad_stream.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 // The patch kernel against its twin, against itself in other lanes, orders and batches, and against laws that neither
 // knows.
-#include "host/contact/patch_contact.h"
+#include "host/contact/lines/patch_contact.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 #include <random>
 
 #include "fem/layer/patch_solver.h"
-#include "host/contact/contact_fallback.h"
-#include "host/contact/contact_stream.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/contact_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/contact/one_launch.h"

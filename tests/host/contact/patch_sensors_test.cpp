@@ -11,12 +11,12 @@
 #include <random>
 
 #include "fem/layer/patch_solver.h"
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/answers/rung_for_many.h"
-#include "host/contact/contact_fallback.h"
 #include "host/contact/contact_model.h"
-#include "host/contact/patch_contact.h"
-#include "host/contact/sensor_tables.h"
+#include "host/contact/lines/contact_fallback.h"
+#include "host/contact/lines/patch_contact.h"
+#include "host/contact/lines/sensor_tables.h"
 #include "tests/fem/expect_error.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/contact/one_launch.h"

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/lines/gap_sweep.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/contact/one_launch.h"

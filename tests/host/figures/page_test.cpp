@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"
 #include "host/figures/error_panels.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 #include "fem/pad/pad_solver.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/field_figure.h"

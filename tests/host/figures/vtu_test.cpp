@@ -8,7 +8,7 @@
 #include <map>
 #include <sstream>
 
-#include "fem/gap_reference.h"
+#include "fem/gap/gap_reference.h"
 
 namespace tactel::host {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 

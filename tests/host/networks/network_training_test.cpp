@@ -11,7 +11,7 @@
 #include <memory>
 #include <set>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "host/networks/training_checkpoint.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"

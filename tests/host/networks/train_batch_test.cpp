@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "nn/quantile_heads.h"
 #include "tests/host/networks/network_cases.h"
 

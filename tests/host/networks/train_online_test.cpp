@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "fem/value_error.h"
+#include "fem/numbers/value_error.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "fem/indenter.h"
-#include "fem/scene.h"
+#include "fem/scenes/indenter.h"
+#include "fem/scenes/scene.h"
 #include "host/scenes/scene_file.h"
 #include "tests/host/support/run_tactel.h"
 

@@ -13,7 +13,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
 #include "fem/pad/pad_surface.h"
-#include "host/contact/pad_step.h"
+#include "host/contact/pads/pad_step.h"
 #include "host/sets/held_contact.h"
 #include "host/sets/set_simulator.h"
 #include "kernels/shared/pad_step_layout.h"

@@ -3,7 +3,7 @@
 // Sets of irregular paths with the rows of their pressing, and the histories that networks take from them.
 #include <gtest/gtest.h>
 
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
 #include "tests/host/device/test_device.h"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/sets/set_simulator.h"
 #include "tests/host/device/test_device.h"
 #include "tests/host/sets/same_bytes.h"

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/lines/solve_on_rung.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"

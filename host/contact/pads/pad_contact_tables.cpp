@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/pads/pad_contact_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "fem/layer/legendre_points.h"
+#include "fem/pad/layer_means.h"
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_solver.h"
+#include "kernels/shared/pad_layout.h"
+
+namespace tactel::host {
+namespace {
+
+/// Tables that are kept: scenes of a sensor meet some 160 of the ladder, and some 400 around sizes between its rungs.
+/// One has 30 kB at 24 cells.
+constexpr std::size_t most_kept_numbers = std::size_t{1} << 22;
+
+/// To 1e-12; finer where a side is so small that a rounded rung would no longer lie on its rung.
+double rounded_side(double side, double thickness) {
+  const double unit = std::ldexp(1e-12, std::min(0, std::ilogb(side / thickness) + 7));
+  return unit * std::round(side / (unit * thickness));
+}
+
+/// A side of a cell on a ladder of sizes with twice the rungs of that of cells: on a rung, or between the rungs first +
+/// 1 and first + 2, with the weights of Lagrange's cubic in the logarithm.
+struct OnLadder {
+  explicit OnLadder(double side) {
+    const double rung = steps_an_octave * std::log2(side), nearest = std::round(rung), q = rung - std::floor(rung);
+    if (std::abs(rung - nearest) <= 1e-9) {
+      first = static_cast<int>(nearest), weights = {1};
+    } else {
+      first = static_cast<int>(std::floor(rung)) - 1;
+      weights = {-q * (q - 1) * (q - 2) / 6, (q + 1) * (q - 1) * (q - 2) / 2, -(q + 1) * q * (q - 2) / 2,
+                 (q + 1) * q * (q - 1) / 6};
+    }
+  }
+  bool on_a_rung() const { return weights.size() == 1; }
+  /// Of the rung of weight k.
+  double side(std::size_t k) const {
+    return rounded_side(std::exp2((first + static_cast<double>(k)) / steps_an_octave), 1);
+  }
+
+  static constexpr int steps_an_octave = 2 * fem::rungs_an_octave;
+  int first;
+  std::vector<double> weights;
+};
+
+/// Units of the numbers of an entry.
+std::array<double, PAD_OWN_INFLUENCE> units(double root_zz, double root_tt) {
+  std::array<double, PAD_OWN_INFLUENCE> units{};
+  units[PAD_ZZ] = root_zz * root_zz;
+  units[PAD_XX] = units[PAD_YY] = units[PAD_XY] = root_tt * root_tt;
+  units[PAD_XZ] = units[PAD_YZ] = root_zz * root_tt;
+  return units;
+}
+
+std::vector<double> stress_table(const fem::PadLayer& layer) {
+  const int rows = PadTables::stress_rows_of(layer);
+  std::vector<double> table(static_cast<std::size_t>(rows) * PAD_BLOCK);
+  const double step = 1.0 / PadTables::stress_rows_a_thickness;
+  for (int row = 0; row + 1 < rows; ++row) {  // the last row is 0: beyond
+    const Eigen::Array<double, 5, 1> left = layer.stresses(row * step), middle = layer.stresses((row + 0.5) * step),
+                                     right = layer.stresses((row + 1) * step);
+    for (int f = 0; f < 5; ++f) {
+      double* c =
+          &table[static_cast<std::size_t>(row) * PAD_BLOCK + static_cast<std::size_t>(f) * PAD_STRESS_COEFFICIENTS];
+      c[0] = left[f], c[2] = 2 * (left[f] - 2 * middle[f] + right[f]), c[1] = right[f] - left[f] - c[2];
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
+  return {rounded_side(cells.hx, thickness), rounded_side(cells.hy, thickness)};
+}
+
+int PadTables::stress_rows_of(const fem::PadLayer& layer) {
+  return static_cast<int>(stress_rows * layer.reach() / fem::PadLayer::range);
+}
+
+PadTables::PadTables(const fem::Rubber& rubber, int cells, bool exact, bool means)
+    : rubber_(rubber),
+      cells_(cells),
+      exact_(exact),
+      means_(means),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(rubber))),
+      stress_(stress_table(*layer_)) {}
+
+PadTables::PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points)
+    : rubber_{poisson}, cells_(points.front()->cells_), exact_(points.front()->exact_), points_(std::move(points)) {}
+
+std::vector<double> PadTables::stress() const {
+  if (points_.empty()) return stress_;
+  const std::vector<double> shares = fem::poisson_shares(rubber_.poisson);
+  std::vector<double> all(points_.front()->stress_.size());
+  for (std::size_t p = 0; p < points_.size(); ++p)
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += shares[p] * points_[p]->stress_[k];
+  return all;
+}
+
+std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
+  return table_of(
+      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_),
+      size);
+}
+
+std::vector<double> PadTables::table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) const {
+  const fem::CellInfluence& own = all.front();
+  const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
+  const auto unit = units(zz, tt);
+  std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
+  double* row = &table[PAD_TABLE_HEAD];
+  for (const fem::CellInfluence& c : all) {
+    row[PAD_ZZ] = c.zz, row[PAD_XX] = c.xx, row[PAD_YY] = c.yy, row[PAD_XY] = c.xy;
+    row[PAD_XZ] = c.xz, row[PAD_YZ] = c.yz;
+    for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) row[k] /= unit[k];
+    row += PAD_OWN_INFLUENCE;
+  }
+  return table;
+}
+
+/// Returns the table of cells with x and y exchanged.
+std::vector<double> PadTables::turned(const std::vector<double>& of) const {
+  std::vector<double> table = of;
+  std::swap(table[PAD_HX], table[PAD_HY]);
+  const int side = cells_ + 1;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double* from = &of[PAD_TABLE_HEAD + static_cast<std::size_t>(j * side + i) * PAD_OWN_INFLUENCE];
+      double* to = &table[PAD_TABLE_HEAD + static_cast<std::size_t>(i * side + j) * PAD_OWN_INFLUENCE];
+      std::copy_n(from, PAD_OWN_INFLUENCE, to);
+      std::swap(to[PAD_XX], to[PAD_YY]), std::swap(to[PAD_XZ], to[PAD_YZ]);
+    }
+  return table;
+}
+
+std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
+  const OnLadder x(size.hx), y(size.hy);
+  std::vector<Weighted> rungs;
+  for (std::size_t i = 0; i < x.weights.size(); ++i)
+    for (std::size_t j = 0; j < y.weights.size(); ++j)
+      rungs.emplace_back(x.weights[i] * y.weights[j], on_rungs({x.side(i), y.side(j)}));
+  return sum(rungs, size);
+}
+
+std::vector<double> PadTables::sum(const std::vector<Weighted>& tables, const PadCellSize& size) const {
+  std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
+  const auto each = [&](const auto& change) {
+    for (std::size_t at = PAD_TABLE_HEAD; at < table.size(); at += PAD_OWN_INFLUENCE)
+      for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) change(at + k, k);
+  };
+  for (const auto& [weight, other] : tables) {
+    const double* from = other->data();
+    auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
+    for (double& number : part) number *= weight;
+    each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
+  }
+  const double* own = &table[PAD_TABLE_HEAD];
+  const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt;
+  table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
+  auto per = units(zz, tt);
+  for (double& number : per) number = 1 / number;
+  each([&](std::size_t at, int k) { table[at] *= per[k]; });
+  return table;
+}
+
+std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size,
+                                                                const fem::SoftObject& object) const {
+  if (!(object.softness > 0)) return of_layer(size);
+  if (means_)
+    return std::make_shared<const std::vector<double>>(
+        table_of(fem::layer_means(layer_->beside(object), 1, size.hx, size.hy, cells_), size));
+  std::vector<fem::CellInfluence> all = object.influences(1, size.hx, size.hy, cells_);
+  const auto layer = of_layer(size);
+  const auto unit = units((*layer)[PAD_ROOT_ZZ], (*layer)[PAD_ROOT_TT]);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double* row = &(*layer)[PAD_TABLE_HEAD + k * PAD_OWN_INFLUENCE];
+    const auto number = [&](int which) { return row[which] * unit[static_cast<std::size_t>(which)]; };
+    all[k] += {number(PAD_ZZ), number(PAD_XX), number(PAD_YY), number(PAD_XY), number(PAD_XZ), number(PAD_YZ)};
+  }
+  return std::make_shared<const std::vector<double>>(table_of(all, size));
+}
+
+std::shared_ptr<const std::vector<double>> PadTables::of_layer(const PadCellSize& size) const {
+  if (!points_.empty()) {
+    const std::vector<double> shares = fem::poisson_shares(rubber_.poisson);
+    std::vector<Weighted> tables;
+    for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->of_layer(size));
+    return std::make_shared<const std::vector<double>>(sum(tables, size));
+  }
+  if (OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung()) return on_rungs(size);
+  return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
+}
+
+std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize& size) const {
+  {
+    const std::lock_guard lock(making_);
+    if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
+  }
+  const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
+  auto made =
+      std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx})) : make_influence(size));
+  const std::lock_guard lock(making_);
+  if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
+  return made;
+}
+
+std::vector<double> PadTables::shared_influence(const PadCellSize& size, const fem::SoftObject& object) const {
+  const int n = cells_, span = 2 * n + 1;
+  const std::shared_ptr<const std::vector<double>> own = influence(size, object);
+  std::vector<double> table(PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * span * span);
+  std::copy_n(own->begin(), PAD_TABLE_HEAD, table.begin());
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      for (const int sx : {-1, 1})
+        for (const int sy : {-1, 1}) {  // the place lies at +(sx i, sy j) from the source
+          double* row = &table[PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * ((n - sx * i) * span + n - sy * j)];
+          std::copy_n(&(*own)[PAD_TABLE_HEAD + std::size_t{PAD_OWN_INFLUENCE} * (i * (n + 1) + j)], PAD_OWN_INFLUENCE,
+                      row);
+          row[PAD_XY] *= sx * sy, row[PAD_XZ] *= sx, row[PAD_YZ] *= sy;
+        }
+  return table;
+}
+
+int TactelPoints::along(const fem::PadSensor& sensor) {
+  const double half = sensor.tactel_size / 2;
+  return half > 0 ? 3 + static_cast<int>(std::ceil(4 * half / sensor.thickness)) : 1;
+}
+
+TactelPoints::TactelPoints(const fem::PadSensor& sensor) {
+  const Eigen::MatrixX2d middles = fem::tactel_places(sensor);
+  const double half = sensor.tactel_size / 2;
+  const std::vector<fem::LegendrePoint> points =
+      half > 0 ? fem::legendre_points(along(sensor)) : std::vector<fem::LegendrePoint>{{0, 2}};
+  for (const auto& p : points)
+    for (const auto& q : points) weights.push_back(p.weight * q.weight / 4);
+  places.resize(middles.rows() * static_cast<Eigen::Index>(weights.size()), 2);
+  Eigen::Index k = 0;
+  for (Eigen::Index tactel = 0; tactel < middles.rows(); ++tactel)
+    for (const auto& p : points)
+      for (const auto& q : points) places.row(k++) = middles.row(tactel) + half * Eigen::RowVector2d(p.x, q.x);
+}
+
+}  // namespace tactel::host
