@@ -73,13 +73,6 @@ Mesh make_mesh(const Sensor& sensor) {
   return mesh;
 }
 
-Eigen::VectorXd surface_positions(const Sensor& sensor) {
-  const int intervals = sensor.columns - 1;
-  Eigen::VectorXd x(sensor.columns);
-  for (int i = 0; i <= intervals; ++i) x[i] = sensor.length * (2 * i - intervals) / (2.0 * intervals);
-  return x;
-}
-
 std::vector<int> unknowns_of(const std::vector<int>& nodes) {
   std::vector<int> unknowns(2 * nodes.size());
   for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i] = 2 * nodes[i / 2] + static_cast<int>(i % 2);

@@ -19,9 +19,6 @@ struct Mesh {
 
 Mesh make_mesh(const Sensor& sensor);
 
-/// Returns x of the columns, which carry the gap elements: [columns] mm, exactly symmetric about 0.
-Eigen::VectorXd surface_positions(const Sensor& sensor);
-
 /// Returns the degrees of freedom of these nodes: 2k, 2k + 1 of each in turn.
 std::vector<int> unknowns_of(const std::vector<int>& nodes);
 

@@ -76,4 +76,11 @@ void require_compressible(const Sensor& sensor) {
                      "below 0.5 on a mesh, whose stiffness is infinite there; a patch takes 0.5");
 }
 
+Eigen::VectorXd surface_positions(const Sensor& sensor) {
+  const int intervals = sensor.columns - 1;
+  Eigen::VectorXd x(sensor.columns);
+  for (int i = 0; i <= intervals; ++i) x[i] = sensor.length * (2 * i - intervals) / (2.0 * intervals);
+  return x;
+}
+
 }  // namespace tactel::fem

@@ -2,6 +2,7 @@
 #pragma once
 #include <tactel/line_scene.h>
 
+#include <Eigen/Dense>
 #include <optional>
 
 namespace tactel::fem {
@@ -31,6 +32,8 @@ struct Sensor {
 void validate(const Sensor& sensor);
 /// Throws ValueError for poisson = 0.5, which no mesh can model; patches can (fem/layer).
 void require_compressible(const Sensor& sensor);
+/// Returns x of the columns, which carry the gap elements: [columns] mm, exactly symmetric about 0.
+Eigen::VectorXd surface_positions(const Sensor& sensor);
 
 // Largest block: a mistyped number beyond these would need more memory than a machine has.
 inline constexpr int most_columns = 2001, most_rows = 1001, most_tactels = 10000;
