@@ -23,16 +23,13 @@
 #include "shared/group.h"
 #include "shared/lane_sums.h"
 #include "shared/network_work.h"
-#include "shared/online_report.h"
-#include "shared/philox.h"
-#include "shared/random_streams.h"
+#include "shared/online_cycle.h"
 #include "shared/transpose.h"
 
 #define BLOCK 8 /* patterns that the first layer takes together */
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
 #define NEURONS (LANES / NETWORKS) /* of each network in a vector */
 #define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
-#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1) /* width of the last hidden layer */
 #define ROW VECTORS_OF(INPUTS + 1)         /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
 #define V1 NEURON_VECTORS(HIDDEN1)
 #define V2 NEURON_VECTORS(HIDDEN2)
@@ -47,11 +44,6 @@ typedef struct {
 #define LAYER1 ((INPUTS + 1) * V1)
 #define LAYER2 (HIDDEN2 ? (HIDDEN1 + 1) * V2 : 0)
 #define GROUP_WEIGHTS (LAYER1 + LAYER2 + VL + 1)
-/* And of a network in memory, [layer][out][in + 1]. */
-#define COUNT1 (HIDDEN1 * (INPUTS + 1))
-#define COUNT2 (HIDDEN2 * (HIDDEN1 + 1))
-#define NETWORK_WEIGHTS (COUNT1 + COUNT2 + LAST + 1)
-
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
   vreal x[BLOCK * ROW *
@@ -317,25 +309,6 @@ INLINE void learn_pattern(Group *group, const Rule *rule, int t) {
 #endif
 }
 
-/* Fisher and Yates' shuffle of the rows for one cycle, as nn/presentation_order.h describes it. */
-INLINE void shuffle(global uint *order, uint rows, ulong seed, uint cycle) {
-  for (uint row = 0; row < rows; ++row) order[row] = row;
-  vuint index;
-  for (uint lane = 0; lane < LANES; ++lane) ((uint *)&index)[lane] = lane;
-  for (uint first = 0; first + 1 < rows; first += 4 * LANES) {
-    const RandomWords words = random_words(seed, ORDER_STREAM, index, cycle);
-    index += (vuint)(LANES);
-    const uint end = min(first + 4 * LANES, rows - 1);
-    for (uint step = first; step < end; ++step) {
-      const uint word = ((const uint *)&words.word[step % 4])[(step - first) / 4];
-      const uint i = rows - 1 - step, j = mul_hi(word, i + 1);
-      const uint row = order[i];
-      order[i] = order[j];
-      order[j] = row;
-    }
-  }
-}
-
 /* Learning sets of the networks of a group: [NETWORKS] each. */
 typedef struct {
   global const real *inputs[NETWORKS]; /* [rows + 1][ROW][LANES], the last row zeros */
@@ -430,13 +403,6 @@ INLINE void open_group(Group *g, global Weight *vectors, global const uint *slot
 #if HIDDEN2
   g->pending = 0;
 #endif
-}
-
-/* The stop rules of nn/train_online.cpp. */
-INLINE int status_after(real sse, real largest, uint cycle, uint cycle_limit, real stop_error) {
-  if (!isfinite(sse)) return ONLINE_NOT_FINITE;
-  if (largest < stop_error) return ONLINE_LEARNT;
-  return cycle >= cycle_limit ? ONLINE_CYCLE_LIMIT : ONLINE_RUNNING;
 }
 
 /* Trains the networks of slots [group] for at most `most_cycles` cycles, or until they stop by themselves.

@@ -30,7 +30,7 @@ host::TrainRequest request_of(const TrainOptions& options) {
 template <class Real>
 std::vector<nn::Model> trained(const nn::FrameSet& frames, const host::TrainingPlan& plan, const TrainOptions& options,
                                const ProgressFunction& progress) {
-  host::Executor executor{host::Device(options.device).for_training()};
+  host::Executor executor{host::training_device(host::Device(options.device), plan)};
   host::NetworkTraining<Real> training(executor, frames, plan);
   host::TrainingRunOptions run;
   run.progress = [&](std::size_t done, std::size_t all) { return progress(done, all); };

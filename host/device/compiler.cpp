@@ -102,7 +102,8 @@ void compile_kernels(const Device& device, cl::Program& program, const std::stri
     const std::string name = kernel.getInfo<CL_KERNEL_FUNCTION_NAME>();
     if (!takes_group(text, name)) continue;
     set_any_arguments(kernel, kernel_parameters(text, name, "float"));
-    Launcher::enqueue(queue, kernel, std::size_t{NO_GROUPS}, widest_cpu_launch, 1);
+    Launcher::enqueue(queue, kernel, std::size_t{NO_GROUPS}, widest_cpu_launch,
+                      Launcher::required_size(device, kernel));
   }
   queue.finish();
 }

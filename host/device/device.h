@@ -103,8 +103,8 @@ class Device {
   /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
   /// time, with one lane and rolled loops. Shares the context.
   Device for_one_contact() const;
-  /// Returns the device that trains networks for this one: of a GPU, where one network is one work-item, the best
-  /// processor. The same device where there is none, with a warning.
+  /// Returns the device that trains any networks for this one: of a GPU, where one network may be one work-item, the
+  /// best processor. The same device where there is none, with a warning.
   Device for_training() const;
   bool short_code() const;  ///< whether kernels keep their loops rolled (kernels/shared/unroll.h)
 

@@ -159,6 +159,8 @@ bool Executor::State::run_slices(Run& run, std::size_t job) {
         std::min(slice, info.type == DeviceType::gpu ? gpu_slice * static_cast<std::size_t>(info.compute_units)
                                                      : smallest_slice);
     slice = std::clamp(run.jobs[job].groups / progress_slices, smallest, slice);
+    const std::size_t local = run.jobs[job].launch.state_->local;
+    slice = (slice + local - 1) / local * local;  // items of a work-group stay together
   }
   for (std::size_t left = run.jobs[job].groups; left > 0;) {
     const Chunk chunk = run.supply.draw([&](std::size_t) { return std::min(slice, left); }).value();

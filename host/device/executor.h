@@ -20,6 +20,9 @@ namespace tactel::host {
 /// - One work-item computes one group: a vector of LANES scenes (frames, networks); on a GPU, LANES = 1, one of them.
 /// - Groups do not communicate: no barrier, no local memory, no reqd_work_group_size. `group` is always below the
 ///   number of groups, so no guard is needed.
+/// - But on a GPU the groups of one work-group communicate where the kernel requires its size (train_group.cl): runs
+/// are
+///   of a multiple of it.
 /// Results then do not depend on threads, chunks or device scheduling. A kernel without TAKE_GROUP also runs: it is
 /// compiled at its first use, and launched one group at a time.
 

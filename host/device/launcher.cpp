@@ -29,8 +29,13 @@ std::size_t Launcher::widest_launch() const {
   return device_.info().type == DeviceType::cpu ? widest_cpu_launch : widest_gpu_launch;
 }
 
+std::size_t Launcher::required_size(const Device& device, const cl::Kernel& kernel) {
+  return std::max<std::size_t>(1, kernel.getWorkGroupInfo<CL_KERNEL_COMPILE_WORK_GROUP_SIZE>(device.cl_device())[0]);
+}
+
 std::size_t Launcher::local_size(const cl::Kernel& kernel) const {
-  if (device_.info().type == DeviceType::cpu) return 1;
+  const std::size_t required = required_size(device_, kernel);
+  if (required > 1 || device_.info().type == DeviceType::cpu) return required;
   const std::size_t most = kernel.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device_.cl_device());
   return std::bit_floor(std::clamp<std::size_t>(most, 1, gpu_local_size));
 }

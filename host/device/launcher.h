@@ -48,6 +48,8 @@ class Launcher {
   std::size_t widest_launch() const;  ///< groups
   const Device& device() const { return device_; }
 
+  /// Groups of a work-group whose size the kernel requires; 1: any.
+  static std::size_t required_size(const Device& device, const cl::Kernel& kernel);
   static void enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
                       std::size_t local);
 

@@ -11,6 +11,7 @@
 
 #include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
+#include "host/networks/train_online.h"
 #include "host/networks/training_schedule.h"
 #include "host/networks/validation.h"
 #include "host/support/errors.h"
@@ -35,6 +36,13 @@ class StopAtEnd {
 };
 
 }  // namespace
+
+Device training_device(const Device& device, const TrainingPlan& plan) {
+  const bool by_groups = !plan.batch && std::ranges::all_of(plan.topologies, [&](const nn::Topology& topology) {
+    return trained_by_groups(device, topology);
+  });
+  return by_groups ? device : device.for_training();
+}
 
 template <class Real>
 NetworkTraining<Real>::NetworkTraining(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan)

@@ -22,6 +22,10 @@ struct TrainingRunOptions {
   LogSink log{};
 };
 
+/// Returns the device that trains a plan's networks for this one: itself where it is a processor, and where it trains
+/// all of them by groups of its own, pattern by pattern (trained_by_groups); else Device::for_training.
+Device training_device(const Device& device, const TrainingPlan& plan);
+
 template <class T>
 class MadeAhead;
 template <class Real>

@@ -2,6 +2,7 @@
 #include "host/networks/train_online.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
@@ -43,7 +44,18 @@ std::size_t group_size(const nn::Topology& topology, std::size_t lanes, std::siz
   return size;
 }
 
+/// Items of a work-group that holds a network: one for each input and the bias, or for each hidden neuron.
+std::size_t group_items(const nn::Topology& topology) {
+  int hidden = 0;
+  for (int l = 0; l < topology.hidden_layers(); ++l) hidden += topology.fan_out(l);
+  return std::bit_ceil(static_cast<std::size_t>(std::max({hidden, topology.inputs() + 1, 32})));
+}
+
 }  // namespace
+
+bool trained_by_groups(const Device& device, const nn::Topology& topology) {
+  return device.info().type == DeviceType::gpu && group_items(topology) <= MOST_GROUP_ITEMS;
+}
 
 template <class Real>
 TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology, const LearningInputs<Real>& inputs,
@@ -53,7 +65,8 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
       options_(options),
       inputs_(inputs),
       members_(members.begin(), members.end()),
-      together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))) {
+      together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))),
+      by_groups_(trained_by_groups(executor.device(), topology)) {
   options.validate();
   if (topology.has_bound())
     throw ValueError("network", topology.text(), "a network with one output: a bound is learnt by mini-batches");
@@ -91,13 +104,17 @@ Launch& TrainOnline<Real>::launch(std::size_t together) {
   if (const auto found = launches_.find(together); found != launches_.end()) return found->second;
   const Device& device = executor_->device();
   Defines defines = network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>);
-  defines.emplace_back("NETWORKS", std::to_string(together));
-  const Program program(device, "train_online.cl", defines);
-  const Launch launch = executor_->prepare(program, "train_online", [&](KernelArguments& kernel) {
+  if (by_groups_)
+    defines.emplace_back("GROUP_ITEMS", std::to_string(group_items(topology_)));
+  else
+    defines.emplace_back("NETWORKS", std::to_string(together));
+  const std::string kernel = by_groups_ ? "train_group" : "train_online";
+  const Program program(device, kernel + ".cl", defines);
+  const Launch launch = executor_->prepare(program, kernel, [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);
     kernel.set("reports", reports_);
     kernel.set("curve", curve_);
-    kernel.set("vectors", vectors_);
+    if (!by_groups_) kernel.set("vectors", vectors_);
     kernel.set("order", order_);
     kernel.set("slots", slots_);
     kernel.set("seeds", seeds_);
@@ -134,7 +151,7 @@ Job TrainOnline<Real>::job(std::uint32_t most_cycles) {
   Launch& next = launch(together);
   next.set("curve", curve_);
   next.set("most_cycles", std::uint32_t{most_cycles});
-  return {next, groups};
+  return {next, by_groups_ ? groups * group_items(topology_) : groups};
 }
 
 // Networks that have stopped leave their lanes to others.

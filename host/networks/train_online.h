@@ -18,9 +18,13 @@ struct OnlineMember {
   std::uint32_t variant = 0;  ///< of the learning set
 };
 
+/// Whether a device is a GPU, on which kernels/train_group.cl trains networks of this topology: up to 127 inputs and
+/// 128 hidden neurons.
+bool trained_by_groups(const Device& device, const nn::Topology& topology);
+
 /// Launcher of kernels/train_online.cl: networks of one topology on a device, each trained pattern by pattern on
-/// a variant of one learning set. The training of a network depends on its own seed and set alone, not on the
-/// division into runs.
+/// a variant of one learning set; where they are trained_by_groups, of kernels/train_group.cl. The
+/// training of a network depends on its own seed and set alone, not on the division into runs.
 template <class Real>
 class TrainOnline {
  public:
@@ -56,6 +60,7 @@ class TrainOnline {
   LearningInputs<Real> inputs_;
   std::vector<OnlineMember> members_;
   std::size_t together_;          ///< networks in the lanes of a group, when there are many
+  bool by_groups_;                ///< of a GPU: a network a work-group
   Buffer<Real> weights_;          ///< [networks][weights, steps], each as nn::Weights
   Buffer<OnlineReport> reports_;  ///< [networks]
   Buffer<Real> curve_;            ///< [networks][cycles of the last run][2]

@@ -387,9 +387,9 @@ TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const Tra
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
   const Device device(request.device);
-  Executor executor{device.for_training()};
+  Executor executor{training_device(device, plan)};
   if (watch.log && executor.device().info().index != device.info().index)
-    watch.log(LogLevel::warning, fmt::format("networks train on {}: training has no layout for {}",
+    watch.log(LogLevel::warning, fmt::format("networks train on {}: of these, training has no layout for {}",
                                              executor.device().info().name, device.info().name));
   Lesson lesson = read_lesson(request, plan, device, watch);
   if (ranks.first()) TrainingDirectory(request.output).check(request.resume, request.force);

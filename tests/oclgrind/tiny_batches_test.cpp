@@ -357,6 +357,11 @@ TEST_P(TinyBatches, TrainOnline) {
   }
 }
 
+TEST_P(TinyBatches, TrainGroup) {
+  Executor gpu(executor.device().as_gpu(), {.threads = 1});
+  for (const char* topology : {"6-5-1", "6-5-3-1"}) expect_online<float>(gpu, topology);
+}
+
 /// Batches inside a work-item, and slices of larger ones (more than TrainBatch::slice patterns), with ragged ends.
 template <class Real>
 void expect_batches(Executor& executor, nn::BatchRule rule) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "fem/numbers/value_error.h"
+#include "host/networks/network_training.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace {
@@ -28,10 +29,11 @@ struct OnlineCase {
   nn::OnlineOptions options;
   nn::InputScaling scaling = nn::fit_scaling(by_set, set);
   std::vector<SetVariant> variants{{0, 0}, {0.1, 5}};
-  LearningInputs<Real> inputs{executor().device(), set, scaling, variants};
+  Executor* on = &executor();
+  LearningInputs<Real> inputs{on->device(), set, scaling, variants};
 
   TrainOnline<Real> device(const std::vector<OnlineMember>& members) const {
-    return {executor(), topology, inputs, members, options};
+    return {*on, topology, inputs, members, options};
   }
   template <class Scalar>
   nn::OnlineState<Scalar> reference(const OnlineMember& member, int cycles, nn::CycleErrors* last = nullptr) const {
@@ -45,9 +47,10 @@ struct OnlineCase {
 };
 
 template <class Real>
-OnlineCase<Real> make_case(const char* topology, int rows, nn::OnlineOptions options = {}) {
+OnlineCase<Real> make_case(const char* topology, int rows, nn::OnlineOptions options = {}, Executor& on = executor()) {
   const nn::Topology network = nn::Topology::parse(topology);
-  return {network, bumps(rows, network.inputs(), 3), options};
+  const nn::FrameSet set = bumps(rows, network.inputs(), 3);
+  return {.topology = network, .set = set, .options = options, .on = &on};
 }
 
 // More than fit side by side in a vector, so that some stand in the last lanes and some in a group that is not full.
@@ -113,6 +116,87 @@ TEST(TrainOnlineRule, HoldsForAnySetAndOptions) {
       EXPECT_NEAR(device.reports()[0].largest, last.largest, 1e-6);  // fp32 in the report
     }
   }
+}
+
+Executor& gpu() {
+  static Executor posed(executor().device().as_gpu(), {.threads = 1});
+  return posed;
+}
+
+class TrainGroup : public ::testing::TestWithParam<const char*> {};
+
+// fp64: sums in another order, 30 cycles of 23 rows.
+TEST_P(TrainGroup, WeightsMatchReference) {
+  const auto c = make_case<double>(GetParam(), 23, {.stop_error = 0}, gpu());
+  ASSERT_TRUE(trained_by_groups(gpu().device(), c.topology));
+  TrainOnline<double> device = c.device(some);
+  device.run(30);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    nn::CycleErrors last;
+    const nn::OnlineState<double> reference = c.reference<double>(some[i], 30, &last);
+    const nn::OnlineState<double> state = device.state(i);
+    EXPECT_LT(largest_difference(state.weights.values, reference.weights.values), 1e-12);
+    EXPECT_LT(largest_difference(state.step.values, reference.step.values), 1e-12);
+    EXPECT_NEAR(device.curve(i, {}).back().sse, last.sse, 1e-12);
+    EXPECT_NEAR(device.curve(i, {}).back().largest, last.largest, 1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Topologies, TrainGroup, ::testing::Values("6-5-1", "16-16-8-1", "2-1-1", "5-3-4-1"));
+// PoCL takes up to a minute to compile one of the paper's for 64 or 128 items.
+INSTANTIATE_TEST_SUITE_P(Nightly, TrainGroup, ::testing::Values("1", "2", "3", "4", "5", "6"));
+
+TEST(TrainGroupRule, HoldsForAnySetAndOptions) {
+  for (const int rows : {1, 2, 64})
+    for (nn::OnlineOptions options :
+         {nn::OnlineOptions{.momentum = 0}, nn::OnlineOptions{.rate = 0.5, .momentum = 0.99},
+          nn::OnlineOptions{.order = nn::PresentationOrder::sequential}}) {
+      options.stop_error = 0;
+      const auto c = make_case<double>("16-16-8-1", rows, options, gpu());
+      TrainOnline<double> device = c.device(some);
+      device.run(20);
+      EXPECT_LT(largest_difference(device.state(0).weights.values, c.reference<double>(some[0], 20).weights.values),
+                1e-10)
+          << rows << " rows, momentum " << options.momentum;
+    }
+}
+
+// Bits are free of neighbours and of where training was interrupted; each network ends by itself.
+TEST(TrainGroupBits, DependOnTheNetworkAlone) {
+  auto c = make_case<float>("16-16-8-1", 45, {.cycle_limit = 40}, gpu());
+  std::vector<OnlineMember> many;
+  for (std::uint32_t i = 0; i < 19; ++i) many.push_back({i, i % 2});
+  TrainOnline<float> together = c.device(many);
+  nn::OnlineState<float> broken = together.state(3);
+  broken.weights.values[5] = NAN;
+  together.set_state(3, broken);
+  together.run(60);
+  EXPECT_EQ(together.reports()[3].status, ONLINE_NOT_FINITE);
+  for (const std::size_t i : {0u, 1u, 18u}) {
+    EXPECT_EQ(together.reports()[i].status, ONLINE_CYCLE_LIMIT);
+    TrainOnline<float> alone = c.device({many[i]});
+    alone.run(13);
+    TrainOnline<float> resumed = c.device({many[i]});
+    resumed.set_state(0, alone.state(0));
+    for (int run = 0; run < 3; ++run) resumed.run(17);
+    EXPECT_EQ(resumed.state(0).cycle, 40u);
+    EXPECT_EQ(resumed.state(0).weights.values, together.state(i).weights.values) << i;
+    EXPECT_EQ(resumed.state(0).step.values, together.state(i).step.values) << i;
+  }
+}
+
+// What does not fit into a work-group, and mini-batches, go where they went.
+TEST(TrainGroupPlan, TakesTheGpuForAllNetworksOrNone) {
+  TrainingPlan plan;
+  plan.topologies = {nn::Topology::parse("6"), nn::Topology::parse("16-128-1")};
+  EXPECT_EQ(training_device(gpu().device(), plan).info().type, DeviceType::gpu);
+  TrainingPlan wide = plan;
+  wide.topologies.push_back(nn::Topology::parse("16-129-1"));
+  EXPECT_EQ(training_device(gpu().device(), wide).info().type, DeviceType::cpu);
+  wide.topologies.back() = nn::Topology::parse("128-8-1");
+  EXPECT_EQ(training_device(gpu().device(), wide).info().type, DeviceType::cpu);
+  plan.batch.emplace();
+  EXPECT_EQ(training_device(gpu().device(), plan).info().type, DeviceType::cpu);
 }
 
 // Bits: free of what else is trained, of the number of threads, and of where training was interrupted and taken up
