@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "host/commands/command.h"
 #include "host/support/option_table.h"
 
 namespace tactel::host {
@@ -48,6 +50,18 @@ void add_options(CLI::App& command, Request& request, const Table& table) {
   each_option(table, [&](const auto& option) {
     add_option(command, option.names, request.*option.member, option.help, option.taken)->group(option.place);
   });
+}
+
+/// Adds a command to a group of the help, which calls run(request) with the request that its options fill. Returns the
+/// two.
+template <class Argument, class Request = std::remove_cvref_t<Argument>>
+std::pair<CLI::App&, Request&> add_command(CLI::App& app, Action& action, const char* group, const char* name,
+                                           const char* help, int (*run)(Argument)) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->group(group);
+  command->callback([=, &action] { action = [=] { return run(*request); }; });
+  return {*command, *request};
 }
 
 }  // namespace tactel::host

@@ -76,7 +76,7 @@ std::vector<float> places_on_pad(const std::vector<fem::PadSensor>& sensors, Eig
 
 template <class Scene>
 SourceOf<Scene> SourceOf<Scene>::read(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
-  return SweepReaderOf<Scene>(path, seed).read();
+  return SweepReaderOf<Scene>(TomlFile(path), seed).read();
 }
 
 template <class Scene>

@@ -134,10 +134,6 @@ FileSum file_of(const fem::PadShape& shape) {
 }  // namespace
 
 template <class Scene>
-SweepReaderOf<Scene>::SweepReaderOf(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
-    : SweepReaderOf(TomlFile(path), seed) {}
-
-template <class Scene>
 SweepReaderOf<Scene>::SweepReaderOf(TomlFile file, std::optional<std::uint64_t> seed)
     : file_(std::move(file)), seed_(seed) {}
 

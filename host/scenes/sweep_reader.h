@@ -23,8 +23,6 @@ class SweepReaderOf {
 
  public:
   /// `seed`: takes the place of the file's.
-  explicit SweepReaderOf(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
-  /// The same of a file that is open already.
   explicit SweepReaderOf(TomlFile file, std::optional<std::uint64_t> seed = {});
   Source read();
 
