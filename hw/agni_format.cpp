@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bitset>
-#include <functional>
 #include <numeric>
 
 #include "hw/bytes.h"

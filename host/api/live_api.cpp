@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cstring>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 #include "host/api/api_errors.h"

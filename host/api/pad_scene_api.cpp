@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tactel/pad.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "fem/numbers/angles.h"

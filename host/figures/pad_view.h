@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <vector>
 
 #include "fem/pad/pad_solver.h"
 #include "host/figures/view_parts.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <atomic>
-#include <vector>
 
 #include "host/contact/lines/gap_sweep.h"
 #include "host/contact/pads/pad_rung.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "host/figures/error_panels.h"
 #include "host/figures/plot.h"

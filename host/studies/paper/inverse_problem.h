@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
