@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "hw/descriptor.h"
 #include "hw/wire_format.h"
 
 namespace tactel::hw {
@@ -18,9 +19,6 @@ class OutputFile {
   /// Creates a new file. An existing regular file is rejected, or removed first; a symbolic link is rejected. A
   /// device or pipe is written to directly.
   explicit OutputFile(const std::filesystem::path& path, Existing existing = Existing::refuse);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
 
   void write(Bytes bytes);
   void write(std::string_view text);
@@ -32,7 +30,7 @@ class OutputFile {
   void remove_file() const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
   std::uint64_t size_ = 0;
   std::string block_;
 };

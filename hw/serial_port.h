@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hw/descriptor.h"
 #include "hw/wire_format.h"
 
 namespace tactel::hw {
@@ -23,9 +24,6 @@ class SerialPort {
  public:
   /// Throws SourceError, with what to do, where there is no such port, it may not be opened, or makes no such rate.
   SerialPort(std::string path, SerialSettings settings);
-  ~SerialPort();
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
 
   /// Returns what came within `timeout` s, valid until the next call; mostly empty where the port waits for its device.
   Bytes read(double timeout);
@@ -44,7 +42,7 @@ class SerialPort {
 
   std::string path_;
   SerialSettings settings_;
-  int events_ = -1, timer_ = -1, file_ = -1;  ///< an epoll of the next two; file_: -1 while the device is away
+  Descriptor events_, timer_, file_;  ///< an epoll of the next two; file_: -1 while the device is away
   Clock::time_point next_call_{};
   bool answered_ = false, gap_ = false;
   std::uint64_t reconnects_ = 0;

@@ -27,7 +27,6 @@ class SetSpool {
   /// written.
   SetSpool(const std::filesystem::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
            Open how, int process = 0);
-  ~SetSpool();
   SetSpool(const SetSpool&) = delete;
   SetSpool& operator=(const SetSpool&) = delete;
 
@@ -78,7 +77,7 @@ class SetSpool {
   std::map<std::uint64_t, Chunk> chunks_;
   bool torn_ = false;
   std::mutex mutex_;
-  int file_ = -1;  ///< of this process
+  hw::Descriptor file_;  ///< of this process
   std::uint64_t end_ = 0, bytes_ = 0;
   double seconds_ = 0;
   std::chrono::steady_clock::time_point synced_{};

@@ -5,10 +5,11 @@
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
+
+#include "hw/descriptor.h"
 
 namespace tactel::host {
 namespace {
@@ -67,12 +68,9 @@ bool is_own_address(const std::string& literal) {
   four.sin_family = AF_INET, six.sin6_family = AF_INET6;
   const bool is_four = ::inet_pton(AF_INET, literal.c_str(), &four.sin_addr) == 1;
   if (!is_four && ::inet_pton(AF_INET6, literal.c_str(), &six.sin6_addr) != 1) return false;
-  const int probe = ::socket(is_four ? AF_INET : AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) return false;
-  const bool own = (is_four ? ::bind(probe, reinterpret_cast<const sockaddr*>(&four), sizeof four)
-                            : ::bind(probe, reinterpret_cast<const sockaddr*>(&six), sizeof six)) == 0;
-  ::close(probe);
-  return own;
+  const hw::Descriptor probe(::socket(is_four ? AF_INET : AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return (is_four ? ::bind(probe, reinterpret_cast<const sockaddr*>(&four), sizeof four)
+                  : ::bind(probe, reinterpret_cast<const sockaddr*>(&six), sizeof six)) == 0;
 }
 
 /// Takes a line from the front of a head, without its end.

@@ -3,11 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "hw/descriptor.h"
+
 namespace tactel::host {
 
 /// A socket that listens, and where browsers find it.
 struct Listening {
-  int socket = -1;                  ///< its owner closes it; accepting never waits
+  hw::Descriptor socket;            ///< accepting never waits
   std::string address;              ///< "http://127.0.0.1:8080/", of this machine
   std::vector<std::string> others;  ///< the same for other machines; empty: none reach it, or there is one address
 };
