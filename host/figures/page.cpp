@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -17,21 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* name(Tone tone) {
-  switch (tone) {
-    case Tone::good:
-      return "good";
-    case Tone::fair:
-      return "fair";
-    case Tone::poor:
-      return "poor";
-    case Tone::fact:
-      return "fact";
-    case Tone::plain:
-      break;
-  }
-  return "";
-}
+constexpr std::array tone_names{"", "good", "fair", "poor", "fact"};
+
+const char* name(Tone tone) { return tone_names[static_cast<std::size_t>(tone)]; }
 
 /// Escaped text in which the indices of stresses and displacements stand low, and `names` between backticks
 /// look like code.
@@ -176,27 +165,12 @@ nlohmann::ordered_json to_json(const Figure& figure) {
 }
 
 std::string escaped(const std::string& text) {
+  constexpr std::string_view marks = "&<>\"'";
+  constexpr std::array entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
+    const std::size_t mark = marks.find(c);
+    mark < marks.size() ? out += entities[mark] : out += c;
   }
   return out;
 }

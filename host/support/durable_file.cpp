@@ -35,21 +35,10 @@ constexpr std::string_view suffix = ".tactel-part";
 
 /// What the user can do about an error of the file system; empty where that is plain.
 std::string advice(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return "; make room there or choose another disk";
-    case EFBIG:
-      return "; allow larger files (ulimit -f)";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "; choose a folder that you may write to";
-    case ENOENT:
-      return "; make the folder first";
-    default:
-      return "";
-  }
+  if (error == ENOSPC || error == EDQUOT) return "; make room there or choose another disk";
+  if (error == EFBIG) return "; allow larger files (ulimit -f)";
+  if (error == EACCES || error == EPERM || error == EROFS) return "; choose a folder that you may write to";
+  return error == ENOENT ? "; make the folder first" : "";
 }
 
 [[noreturn]] void refuse(const std::string& option, const fs::path& path, const std::string& why) {

@@ -35,22 +35,14 @@ class Fields {
     field.number = static_cast<std::uint32_t>(tag >> 3);
     field.wire = static_cast<Field::Wire>(tag & 7);
     field.value = 0, field.content = {};
-    switch (field.wire) {
-      case Field::varint:
-        field.value = read_varint();
-        break;
-      case Field::fixed64:
-        field.content = take(8);
-        break;
-      case Field::bytes:
-        field.content = take(read_varint());
-        break;
-      case Field::fixed32:
-        field.content = take(4);
-        break;
-      default:
-        throw Malformed{};  // groups, which ONNX has none of
-    }
+    if (field.wire == Field::varint)
+      field.value = read_varint();
+    else if (field.wire == Field::bytes)
+      field.content = take(read_varint());
+    else if (field.wire == Field::fixed64 || field.wire == Field::fixed32)
+      field.content = take(field.wire == Field::fixed64 ? 8 : 4);
+    else
+      throw Malformed{};  // groups, which ONNX has none of
     field.whole = from.substr(0, from.size() - left_.size());
     return true;
   }

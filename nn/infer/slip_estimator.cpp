@@ -2,6 +2,7 @@
 #include <tactel/infer.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
@@ -39,19 +40,9 @@ InputError::~InputError() = default;
 const char* version() noexcept { return TACTEL_VERSION; }
 
 const char* name(AnswerStatus status) noexcept {
-  switch (status) {
-    case AnswerStatus::ok:
-      return "ok";
-    case AnswerStatus::no_stress:
-      return "no stress";
-    case AnswerStatus::not_finite:
-      return "not finite";
-    case AnswerStatus::overflow:
-      return "overflow";
-    case AnswerStatus::wrong_size:
-      return "wrong size";
-  }
-  return "unknown";
+  constexpr std::array names{"ok", "no stress", "not finite", "overflow", "wrong size"};
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 namespace {

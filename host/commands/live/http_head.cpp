@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "hw/descriptor.h"
 
@@ -22,24 +23,15 @@ constexpr const char* policy =
     "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 const char* reason(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 408:
-      return "Request Timeout";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return "Bad Request";
-  }
+  for (const auto& [number, words] : {std::pair{200, "OK"},
+                                      {403, "Forbidden"},
+                                      {404, "Not Found"},
+                                      {405, "Method Not Allowed"},
+                                      {408, "Request Timeout"},
+                                      {431, "Request Header Fields Too Large"},
+                                      {503, "Service Unavailable"}})
+    if (number == status) return words;
+  return "Bad Request";
 }
 
 std::string lower(std::string_view text) {
