@@ -6,7 +6,6 @@
 #include "host/sets/check_set.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
-#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {

@@ -19,8 +19,6 @@ class DurableFile {
   DurableFile(std::string option, std::filesystem::path path);
   /// Removes the temporary unless it was committed.
   ~DurableFile();
-  DurableFile(const DurableFile&) = delete;
-  DurableFile& operator=(const DurableFile&) = delete;
 
   /// Returns the temporary, for libraries that write by name, such as HDF5. They must close it before commit().
   const std::filesystem::path& temporary() const { return temporary_; }

@@ -18,8 +18,6 @@ class LiveServer {
   LiveServer(const std::string& place, std::string page, std::vector<std::string> hosts = {});
   /// Tells every browser that there is no more. Takes 0.3 s at most.
   ~LiveServer();
-  LiveServer(const LiveServer&) = delete;
-  LiveServer& operator=(const LiveServer&) = delete;
 
   const std::string& address() const;              ///< as of Listening
   const std::vector<std::string>& others() const;  ///< the same
