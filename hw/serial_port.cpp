@@ -13,8 +13,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "hw/frame_source.h"
-
 namespace tactel::hw {
 namespace {
 
@@ -114,6 +112,19 @@ Bytes SerialPort::read(double timeout) {
   if (size > 0) return Bytes(bytes_).first(static_cast<std::size_t>(size));
   if (size == 0 || (errno != EINTR && errno != EAGAIN)) hang_up();
   return {};
+}
+
+std::optional<Packet> SerialSource::wait(double timeout) {
+  const Bytes bytes = port_.read(timeout);
+  if (bytes.empty()) return std::nullopt;
+  ++counts_.packets, counts_.bytes += bytes.size();
+  return Packet{bytes, now(), port_.take_gap()};
+}
+
+TransportCounts SerialSource::counts() const {
+  TransportCounts counts = counts_;
+  counts.reconnects = port_.reconnects();
+  return counts;
 }
 
 }  // namespace tactel::hw

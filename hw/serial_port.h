@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hw/descriptor.h"
-#include "hw/wire_format.h"
+#include "hw/frame_source.h"
 
 namespace tactel::hw {
 
@@ -47,6 +47,27 @@ class SerialPort {
   bool answered_ = false, gap_ = false;
   std::uint64_t reconnects_ = 0;
   std::array<std::uint8_t, 4096> bytes_{};
+};
+
+/// The bytes of a serial port as they come. Waits for an unplugged device.
+class SerialSource final : public FrameSource {
+ public:
+  /// Throws SourceError as SerialPort.
+  SerialSource(std::string path, SerialSettings settings) : port_(std::move(path), std::move(settings)) {}
+  std::optional<Packet> wait(double timeout) override;
+  void answered() override { port_.answered(); }
+  bool finished() const override { return false; }
+  bool live() const override { return true; }
+  double now() const override {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - opened_).count();
+  }
+  TransportCounts counts() const override;
+  int fd() const override { return port_.fd(); }
+
+ private:
+  SerialPort port_;
+  std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
+  TransportCounts counts_;
 };
 
 }  // namespace tactel::hw

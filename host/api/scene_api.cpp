@@ -6,7 +6,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/scenes/scene_file.h"
-#include "host/scenes/scene_toml.h"
+#include "host/scenes/scene_json.h"
 #include "host/support/errors.h"
 
 namespace tactel {

@@ -9,7 +9,7 @@
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/pads/pad_rung.h"
-#include "host/scenes/end_tactels.h"
+#include "host/scenes/scene_source.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"

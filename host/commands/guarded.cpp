@@ -10,7 +10,7 @@
 
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "host/support/terminal.h"
 #include "hw/frame_source.h"

@@ -14,7 +14,6 @@
 #include "host/commands/option_errors.h"
 #include "host/device/compiler.h"
 #include "host/support/nearest_word.h"
-#include "host/support/standard_streams.h"
 #include "host/support/terminal.h"
 
 namespace {

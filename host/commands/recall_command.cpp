@@ -15,7 +15,6 @@
 #include "host/support/terminal.h"
 #include "host/training/decision.h"
 #include "host/training/network_report.h"
-#include "host/training/recall_page.h"
 
 namespace tactel::host {
 namespace {

@@ -5,7 +5,7 @@
 #include "host/commands/calibrate_bounds.h"
 #include "host/commands/shared_options.h"
 #include "host/support/errors.h"
-#include "host/support/freed_memory.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"

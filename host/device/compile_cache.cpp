@@ -19,11 +19,11 @@
 #include <vector>
 
 #include "fem/numbers/cache_directory.h"
-#include "host/support/address_space.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/exit_code.h"
+#include "host/support/host_limits.h"
 
 namespace tactel::host {
 namespace {

@@ -26,9 +26,8 @@
 #include "host/device/compile_cache.h"
 #include "host/device/kernel_arguments.h"
 #include "host/device/launcher.h"
-#include "host/support/address_space.h"
 #include "host/support/errors.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/group.h"
 

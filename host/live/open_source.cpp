@@ -11,7 +11,7 @@
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
 #include "hw/recording.h"
-#include "hw/serial_source.h"
+#include "hw/serial_port.h"
 #include "hw/usb_source.h"
 
 namespace tactel::host {

@@ -9,7 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "host/python/words.h"
 #include "host/training/train_options.h"
 
 namespace tactel::python {

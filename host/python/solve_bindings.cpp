@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "host/python/path_arrays.h"
-#include "host/python/words.h"
 
 namespace tactel::python {
 namespace {

@@ -229,4 +229,12 @@ Hold SourceOf<Scene>::hold(std::uint64_t k) const {
 template class SourceOf<fem::Scene>;
 template class SourceOf<fem::PadScene>;
 
+bool tactels_at_ends(const fem::Sensor& sensor) {
+  return sensor.tactels > 1 && sensor.tactel_width == 0 && sensor.span() > sensor.length * (1 - 1e-6);
+}
+
+bool tactels_at_ends(const SceneSource& source) {
+  return std::ranges::any_of(source.sensors(), [](const fem::Sensor& sensor) { return tactels_at_ends(sensor); });
+}
+
 }  // namespace tactel::host

@@ -8,7 +8,6 @@
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/sweep_reader.h"
-#include "host/scenes/transducer_table.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {

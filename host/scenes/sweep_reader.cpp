@@ -15,7 +15,6 @@
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
-#include "host/scenes/transducer_table.h"
 #include "host/support/checksum.h"
 #include "host/support/nearest_word.h"
 

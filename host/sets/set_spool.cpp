@@ -12,10 +12,10 @@
 #include <fstream>
 #include <system_error>
 
-#include "host/sets/stage_seconds.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {

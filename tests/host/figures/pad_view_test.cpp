@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/figures/pad_figure.h"
+#include "host/figures/contact_figure.h"
 #include "host/figures/page.h"
 
 namespace tactel::host {

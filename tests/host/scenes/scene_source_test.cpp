@@ -9,7 +9,6 @@
 #include <cmath>
 #include <set>
 
-#include "host/scenes/end_tactels.h"
 #include "host/support/errors.h"
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
