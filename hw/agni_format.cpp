@@ -2,7 +2,7 @@
 #include <bitset>
 #include <numeric>
 
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/formats.h"
 
 namespace tactel::hw {

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "hw/bytes.h"
-#include "hw/require.h"
+#include "hw/format_parts.h"
 
 namespace tactel::hw {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/formats.h"
 
 namespace tactel::hw {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/pace.h"
 
 namespace tactel::hw {

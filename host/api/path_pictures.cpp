@@ -9,7 +9,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/outcome.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/vtu.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"

@@ -8,7 +8,7 @@
 #include "host/support/durable_file.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
-#include "host/training/calibration.h"
+#include "host/training/named_network.h"
 
 namespace tactel::host {
 namespace {

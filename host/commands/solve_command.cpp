@@ -14,7 +14,7 @@
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/vtu.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/toml_table.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/figures/contact_view.h"
 #include "host/figures/plot.h"
-#include "host/figures/view_parts.h"
 
 namespace tactel::host {
 namespace {

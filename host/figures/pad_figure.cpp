@@ -6,7 +6,7 @@
 
 #include "fem/numbers/angles.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/plot.h"
 
 namespace tactel::host {

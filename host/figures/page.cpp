@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/figures/contact_view.h"
-#include "host/figures/pad_view.h"
 #include "host/figures/page_files.h"
 
 namespace tactel::host {

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "nn/infer/layers.h"
-#include "nn/infer/processors.h"
 
 // Outside of namespace tactel, as in layers.cpp.
 namespace {

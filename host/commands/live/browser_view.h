@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "host/commands/live/live_server.h"
-#include "host/commands/live/monitor_request.h"
+#include "host/commands/live/monitor.h"
 
 namespace tactel::host {
 
