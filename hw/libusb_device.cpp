@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hw/ftdi.h"
+#include "hw/usb_device.h"
 
 namespace tactel::hw {
 namespace {

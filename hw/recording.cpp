@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "hw/format_parts.h"
-#include "hw/pace.h"
+#include "hw/frame_source.h"
 
 namespace tactel::hw {
 namespace {

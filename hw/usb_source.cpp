@@ -12,9 +12,9 @@
 #include <system_error>
 #include <thread>
 
-#include "hw/ftdi.h"
 #include "hw/libusb_device.h"
 #include "hw/packet_ring.h"
+#include "hw/usb_device.h"
 
 namespace tactel::hw {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "host/api/api_errors.h"
-#include "host/api/network_state.h"
+#include "host/api/states.h"
 #include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/open_source.h"

@@ -5,7 +5,7 @@
 
 #include "fem/numbers/angles.h"
 #include "fem/numbers/value_error.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 
 namespace tactel::api {
 namespace {

@@ -12,7 +12,7 @@
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/side_kernel.h"
 #include "host/api/api_errors.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 #include "host/contact/pads/pad_step.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/commands/command.h"
-#include "host/support/option_table.h"
+#include "host/support/tables.h"
 
 namespace tactel::host {
 
@@ -47,7 +47,7 @@ CLI::Option* add_option(CLI::App& command, const std::string& names, M& value, c
 /// Adds the options of a table, in its order.
 template <class Request, class Table>
 void add_options(CLI::App& command, Request& request, const Table& table) {
-  each_option(table, [&](const auto& option) {
+  each(table, [&](const auto& option) {
     add_option(command, option.names, request.*option.member, option.help, option.taken)->group(option.place);
   });
 }

@@ -12,7 +12,7 @@
 #include "host/commands/help_formatter.h"
 #include "host/commands/kernel_line.h"
 #include "host/commands/option_errors.h"
-#include "host/device/compiler.h"
+#include "host/device/device.h"
 #include "host/support/nearest_word.h"
 #include "host/support/terminal.h"
 

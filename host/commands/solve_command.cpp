@@ -6,9 +6,7 @@
 
 #include "fem/gap/stress_field.h"
 #include "fem/pad/side_kernel.h"
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_page.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
 #include "host/answers/warnings.h"
 #include "host/commands/add_option.h"

@@ -8,7 +8,7 @@
 #include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
-#include "host/studies/tradeoff/tradeoff_report.h"
+#include "host/studies/tradeoff/tradeoff.h"
 #include "host/support/durable_file.h"
 #include "host/support/interrupt.h"
 #include "host/support/json_text.h"

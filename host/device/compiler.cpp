@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/device/compiler.h"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -24,6 +22,7 @@
 
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
+#include "host/device/device.h"
 #include "host/device/kernel_arguments.h"
 #include "host/device/launcher.h"
 #include "host/support/errors.h"

@@ -9,7 +9,6 @@
 #include "host/support/number_lines.h"
 #include "host/support/seconds.h"
 #include "hw/frame_source.h"
-#include "hw/pace.h"
 #include "hw/serial_port.h"
 
 namespace tactel::host {

@@ -11,7 +11,6 @@
 
 #include "host/scenes/toml_table.h"
 #include "host/support/nearest_word.h"
-#include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
 #include "nn/infer/grip_score.h"

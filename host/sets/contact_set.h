@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "host/support/each_of.h"
+#include "host/support/tables.h"
 #include "nn/frame_set.h"
 
 namespace tactel::host {

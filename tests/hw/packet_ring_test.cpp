@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "hw/ftdi.h"
+#include "hw/usb_device.h"
 
 namespace tactel::hw {
 namespace {

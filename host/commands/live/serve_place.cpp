@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/live/serve_place.h"
-
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <ifaddrs.h>
@@ -15,6 +13,7 @@
 #include <cstring>
 #include <memory>
 
+#include "host/commands/live/live_server.h"
 #include "host/support/errors.h"
 #include "hw/descriptor.h"
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <tactel/pad.h>
+#include <tactel/sweep.h>
 
 #include "fem/pad/pad_scene.h"
 #include "fem/scenes/scene.h"
 #include "host/answers/solve.h"
 #include "host/api/api_errors.h"
+#include "host/sets/contact_set.h"
 
 namespace tactel::api {
 
@@ -30,5 +32,10 @@ auto checked_scenes(std::span<const Scene> scenes) {
 void check_precision(const std::string& precision);
 /// Throws ConfigError for options that are wrong for many scenes.
 void check_for_many(const SolveOptions& options);
+
+/// Returns the rows and counts of a set as users have them.
+Set from_host(host::ContactSet&& set);
+/// Returns the rows as the rooms of host have them. Throws InputError naming `set` where its arrays differ in length.
+host::ContactSet to_host(const Set& set);
 
 }  // namespace tactel::api
