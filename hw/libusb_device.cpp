@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hw/usb_device.h"
+#include "hw/usb_source.h"
 
 namespace tactel::hw {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Packets from a device by libusb's asynchronous transfers.
+
 #include "hw/usb_source.h"
 
 #include <libusb.h>
@@ -14,7 +15,6 @@
 
 #include "hw/libusb_device.h"
 #include "hw/packet_ring.h"
-#include "hw/usb_device.h"
 
 namespace tactel::hw {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/guarded.h"
-
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "host/commands/program.h"
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
 #include "host/support/host_limits.h"

@@ -14,7 +14,6 @@
 #include <memory>
 
 #include "fem/numbers/value_error.h"
-#include "nn/infer/bound.h"
 #include "nn/infer/loaded_network.h"
 #include "nn/infer/network_graph.h"
 #include "nn/infer/protobuf.h"

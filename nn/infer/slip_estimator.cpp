@@ -19,7 +19,6 @@
 
 #include "fem/numbers/value_error.h"
 #include "nn/features.h"
-#include "nn/infer/bound.h"
 #include "nn/infer/built_in.h"
 #include "nn/infer/friction_reading.h"
 #include "nn/infer/layers.h"

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "host/commands/live/live_server.h"
 #include "host/commands/live/sensor_session.h"
 #include "host/live/live_monitor.h"
 #include "nn/model.h"
@@ -39,5 +42,43 @@ std::string summary_text(const MonitorSummary& all, bool cut_short);
 std::string learnt_text(const nn::Learnt& learnt);
 /// Returns what is said of a reading of mu.
 std::string friction_text(std::span<const float> mu);
+
+/// Lines "rest", or empty ones, and "slides" on standard input.
+class AskedLines {
+ public:
+  /// frames: they come by standard input, too.
+  AskedLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
+  /// Returns what came since the last call. Waits for nothing.
+  MonitorCalls operator()();
+
+ private:
+  void take(MonitorCalls& asked) const;
+
+  bool open_, quiet_;
+  std::string line_;
+};
+
+/// The page of --serve and its lines: 33 a second, and events. None where it was not asked for.
+class BrowserView {
+ public:
+  BrowserView(const MonitorRequest& request, const SensorProfile& profile, const char* target, bool bound);
+  /// event: the line is sent, however recent the last one is.
+  template <class Text>
+  void show(const Text& text, bool event) {
+    if (!server_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (!event && now - last_ < refresh) return;
+    last_ = now;
+    server_->send(text());
+  }
+  /// Tells pages that nothing has come for so many seconds.
+  void tell_silence(double seconds);
+
+ private:
+  static constexpr const char* default_place = "8080";
+  static constexpr auto refresh = std::chrono::milliseconds(30);
+  std::unique_ptr<LiveServer> server_;
+  std::chrono::steady_clock::time_point last_{};
+};
 
 }  // namespace tactel::host

@@ -9,8 +9,6 @@
 #include <memory>
 
 #include "host/commands/command.h"
-#include "host/commands/live/asked_lines.h"
-#include "host/commands/live/browser_view.h"
 #include "host/commands/live/monitor.h"
 #include "host/live/live_monitor.h"
 #include "host/live/live_view.h"
