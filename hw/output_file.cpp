@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/output_file.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
-#include "hw/frame_source.h"
+#include "hw/recording.h"
 
 namespace tactel::hw {
 namespace {

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "hw/format_parts.h"
-#include "hw/frame_source.h"
 
 namespace tactel::hw {
 namespace {

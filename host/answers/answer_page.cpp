@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "fem/numbers/angles.h"
 #include "host/answers/answer_forms.h"

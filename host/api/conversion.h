@@ -3,13 +3,30 @@
 #include <tactel/pad.h>
 #include <tactel/sweep.h>
 
+#include <string>
+#include <utility>
+
 #include "fem/pad/pad_scene.h"
 #include "fem/scenes/scene.h"
 #include "host/answers/solve.h"
-#include "host/api/api_errors.h"
 #include "host/sets/contact_set.h"
 
 namespace tactel::api {
+
+/// Throws the public exception for the one that is being handled: InputError for a value or file that cannot be used,
+/// HardwareError for devices, kernels and sensors. `item` names the input where the error does not, "scenes[3]". Others
+/// pass on.
+[[noreturn]] void rethrow_public(const std::string& item);
+
+/// Returns function(), with public exceptions in place of internal ones.
+template <class Function>
+auto with_public_errors(Function&& function, const std::string& item = {}) -> decltype(function()) {
+  try {
+    return std::forward<Function>(function)();
+  } catch (...) {
+    rethrow_public(item);
+  }
+}
 
 /// Returns the scene as the mechanics have it.
 fem::Scene to_fem(const Scene& scene);

@@ -12,7 +12,7 @@
 #include <memory>
 #include <utility>
 
-#include "host/api/api_errors.h"
+#include "host/api/conversion.h"
 #include "host/api/states.h"
 #include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"

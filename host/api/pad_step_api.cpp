@@ -11,7 +11,6 @@
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/side_kernel.h"
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 #include "host/contact/pads/pad_step.h"
 #include "host/support/errors.h"

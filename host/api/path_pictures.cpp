@@ -5,7 +5,7 @@
 
 #include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
-#include "host/api/api_errors.h"
+#include "host/api/conversion.h"
 #include "host/api/states.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"

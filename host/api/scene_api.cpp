@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_json.h"

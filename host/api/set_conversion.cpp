@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 
 namespace tactel {

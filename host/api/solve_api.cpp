@@ -6,7 +6,6 @@
 #include "host/answers/solve.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 #include "host/api/states.h"
 #include "host/support/errors.h"

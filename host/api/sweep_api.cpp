@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "host/answers/rung_for_many.h"
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 #include "host/contact/pads/pad_rung.h"
 #include "host/scenes/sweep_file.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "host/api/api_errors.h"
 #include "host/api/conversion.h"
 #include "host/api/states.h"
 #include "host/networks/dense_chain.h"

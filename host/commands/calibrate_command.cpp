@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "host/commands/add_option.h"
-#include "host/commands/calibrate_bounds.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/durable_file.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/commands/add_option.h"
-#include "host/commands/recall_recording.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"

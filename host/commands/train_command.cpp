@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "host/commands/add_option.h"
-#include "host/commands/calibrate_bounds.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/support/errors.h"
 #include "host/support/host_limits.h"

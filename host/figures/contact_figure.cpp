@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "host/figures/contact_view.h"
-#include "host/figures/plot.h"
 
 namespace tactel::host {
 namespace {

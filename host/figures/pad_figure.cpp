@@ -7,7 +7,6 @@
 #include "fem/numbers/angles.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"
-#include "host/figures/plot.h"
 
 namespace tactel::host {
 namespace {

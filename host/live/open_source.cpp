@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "host/live/open_source.h"
 
 #include <charconv>
@@ -6,7 +7,6 @@
 
 #include "host/live/csv_source.h"
 #include "host/live/simulated_sensor.h"
-#include "host/live/source_options.h"
 #include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"

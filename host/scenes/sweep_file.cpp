@@ -5,7 +5,6 @@
 
 #include <sstream>
 
-#include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/support/errors.h"

@@ -14,7 +14,6 @@
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "host/support/interrupt.h"
 #include "hw/descriptor.h"

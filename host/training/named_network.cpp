@@ -9,7 +9,6 @@
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
-#include "host/support/nearest_word.h"
 #include "nn/infer/built_in.h"
 
 namespace tactel::host {
