@@ -7,7 +7,6 @@
 #include <tactel/infer.h>
 
 #include <chrono>
-#include <cmath>
 
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
-#include <algorithm>
 #include <atomic>
 #include <thread>
 #include <vector>

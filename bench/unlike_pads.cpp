@@ -48,38 +48,14 @@ fem::PadIndenter indenter(Draw& draw, int kind, double H, double a, double d) {
   const auto tilt = [&] {
     made.tilt = std::atan(draw.in(0.05, 0.8) * d / a) * 180 / pi, made.tilt_direction = draw.in(0, 360);
   };
-  switch (kind) {
-    case 0:
-    case 1:
-      made.shape = fem::Sphere{std::max(a * a / d, 1.2 * a)};
-      break;
-    case 2:
-      made.shape = fem::Paraboloid{{a * a / d, b * b / d}};
-      break;
-    case 3:
-      made.shape = fem::LyingCylinder{std::max(a * a / d, 1.2 * a), b};
-      break;
-    case 4:
-      made.shape = fem::Punch{a, 0};
-      break;
-    case 5:
-      made.shape = fem::Punch{a, edge};
-      if (draw.chance(0.5)) tilt();
-      break;
-    case 6:
-      made.shape = fem::Box{{a, b}, 0};
-      if (draw.chance(0.3)) tilt();
-      break;
-    case 7:
-      made.shape = fem::Box{{a, b}, edge};
-      if (draw.chance(0.6)) tilt();
-      break;
-    case 8:
-      made.shape = fem::Cone{std::clamp(std::atan(a / d) * 180 / pi, 45.0, 88.0)};
-      break;
-    default:
-      made.shape = height_map(draw, kind - 9, a, d);
-  }
+  if (kind < 2) made.shape = fem::Sphere{std::max(a * a / d, 1.2 * a)};
+  if (kind == 2) made.shape = fem::Paraboloid{{a * a / d, b * b / d}};
+  if (kind == 3) made.shape = fem::LyingCylinder{std::max(a * a / d, 1.2 * a), b};
+  if (kind == 4 || kind == 5) made.shape = fem::Punch{a, kind == 5 ? edge : 0};
+  if (kind == 6 || kind == 7) made.shape = fem::Box{{a, b}, kind == 7 ? edge : 0};
+  if (kind == 8) made.shape = fem::Cone{std::clamp(std::atan(a / d) * 180 / pi, 45.0, 88.0)};
+  if (kind > 8) made.shape = height_map(draw, kind - 9, a, d);
+  if (kind >= 5 && kind <= 7 && draw.chance(kind == 5 ? 0.5 : kind == 6 ? 0.3 : 0.6)) tilt();
   made.position = {H * draw.in(-0.5, 0.5), H * draw.in(-0.5, 0.5)};
   made.yaw = draw.in(0, 180);
   return made;

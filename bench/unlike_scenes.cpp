@@ -40,24 +40,15 @@ fem::Profile measured_profile(SceneDraw& draw) {
 /// A blunt indenter that reaches `half_width` to a side at `depth`.
 fem::Shape blunt_shape(std::size_t kind, double half_width, double depth, SceneDraw& draw) {
   const double slant = half_width * draw.uniform(0.2, 0.6), flat = half_width - slant;
-  switch (kind) {
-    case 0:
-      return fem::Flat{half_width};
-    case 1:
-      return fem::Wedge{180 - 2 * std::atan(depth / half_width) * 180 / std::numbers::pi};
-    case 2:
-      return fem::Parabola{half_width * half_width / (2 * depth)};
-    case 3:
-      return fem::Trapezoid{flat, depth / slant};
-    case 4:
-      return fem::RoundedFlat{flat, slant * slant / (2 * depth)};
-    default: {
-      fem::Profile profile;
-      profile.x = {-half_width, -0.6 * half_width, 0, slant, half_width};
-      profile.y = {depth, 0.4 * depth, 0, 0.1 * depth, depth};
-      return profile;
-    }
-  }
+  if (kind == 0) return fem::Flat{half_width};
+  if (kind == 1) return fem::Wedge{180 - 2 * std::atan(depth / half_width) * 180 / std::numbers::pi};
+  if (kind == 2) return fem::Parabola{half_width * half_width / (2 * depth)};
+  if (kind == 3) return fem::Trapezoid{flat, depth / slant};
+  if (kind == 4) return fem::RoundedFlat{flat, slant * slant / (2 * depth)};
+  fem::Profile profile;
+  profile.x = {-half_width, -0.6 * half_width, 0, slant, half_width};
+  profile.y = {depth, 0.4 * depth, 0, 0.1 * depth, depth};
+  return profile;
 }
 
 /// A contact of 5 to 60 thicknesses to a side on rubber of nu 0.49 to 0.5, dragged up to where it slides or so.

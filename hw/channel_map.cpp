@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hw/require.h"
+#include "hw/format_parts.h"
 
 namespace tactel::hw {
 namespace {

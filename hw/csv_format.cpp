@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/csv_format.h"
-
 #include <cmath>
 
+#include "hw/formats.h"
 #include "hw/generic_format.h"
 
 namespace tactel::hw {

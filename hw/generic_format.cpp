@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
-#include "hw/bytes.h"
-#include "hw/require.h"
+#include "hw/format_parts.h"
 
 namespace tactel::hw {
 namespace {
@@ -24,19 +22,10 @@ std::size_t size_of(Checksum kind) {
 }
 
 std::uint64_t checksum_of(Checksum kind, Bytes bytes) {
-  switch (kind) {
-    case Checksum::sum8:
-      return std::accumulate(bytes.begin(), bytes.end(), 0u) & 0xFF;
-    case Checksum::sum16:
-      return std::accumulate(bytes.begin(), bytes.end(), 0u) & 0xFFFF;
-    case Checksum::xor8:
-      return std::accumulate(bytes.begin(), bytes.end(), 0u, std::bit_xor<>());
-    case Checksum::crc16:
-      return crc16(bytes);
-    case Checksum::none:
-      break;
-  }
-  return 0;
+  if (kind == Checksum::none) return 0;
+  if (kind == Checksum::crc16) return crc16(bytes);
+  if (kind == Checksum::xor8) return std::accumulate(bytes.begin(), bytes.end(), 0u, std::bit_xor<>());
+  return std::accumulate(bytes.begin(), bytes.end(), 0u) & (kind == Checksum::sum8 ? 0xFF : 0xFFFF);
 }
 
 /// Where the parts of a frame begin.
@@ -50,38 +39,20 @@ struct Places {
 };
 
 double sample_of(SampleType type, std::uint64_t bits) {
-  switch (type) {
-    case SampleType::i16:
-      return static_cast<std::int16_t>(bits);
-    case SampleType::u16:
-      return static_cast<double>(bits);
-    case SampleType::i32:
-      return static_cast<std::int32_t>(bits);
-    case SampleType::f32:
-      return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-    case SampleType::f64:
-      return std::bit_cast<double>(bits);
-  }
-  return 0;
+  if (type == SampleType::i16) return static_cast<std::int16_t>(bits);
+  if (type == SampleType::i32) return static_cast<std::int32_t>(bits);
+  if (type == SampleType::f32) return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+  return type == SampleType::f64 ? std::bit_cast<double>(bits) : static_cast<double>(bits);
 }
 
 std::uint64_t bits_of(SampleType type, double value) {
   const auto held = [value](double least, double most) {
     return static_cast<std::uint64_t>(std::llround(std::isnan(value) ? 0.0 : std::clamp(value, least, most)));
   };
-  switch (type) {
-    case SampleType::i16:
-      return held(-32768, 32767) & 0xFFFF;
-    case SampleType::u16:
-      return held(0, 65535);
-    case SampleType::i32:
-      return held(-2147483648.0, 2147483647.0) & 0xFFFFFFFF;
-    case SampleType::f32:
-      return std::bit_cast<std::uint32_t>(static_cast<float>(value));
-    case SampleType::f64:
-      return std::bit_cast<std::uint64_t>(value);
-  }
-  return 0;
+  if (type == SampleType::i16) return held(-32768, 32767) & 0xFFFF;
+  if (type == SampleType::i32) return held(-2147483648.0, 2147483647.0) & 0xFFFFFFFF;
+  if (type == SampleType::f32) return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  return type == SampleType::f64 ? std::bit_cast<std::uint64_t>(value) : held(0, 65535);
 }
 
 class GenericFormat final : public WireFormat {

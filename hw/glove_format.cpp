@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/formats.h"
 
 namespace tactel::hw {
@@ -33,16 +33,8 @@ class GloveFormat final : public WireFormat {
  private:
   /// Whether byte i of a frame may hold this.
   static bool fits(std::uint8_t byte, std::size_t i) {
-    switch (i % packet) {
-      case 0:
-        return byte == first_id + i / packet;
-      case 1:
-        return byte == 0x01;
-      case 4:
-        return byte == 0x00;
-      default:
-        return true;
-    }
+    const std::size_t at = i % packet;
+    return at == 0 ? byte == first_id + i / packet : at == 1 ? byte == 0x01 : at != 4 || byte == 0x00;
   }
 };
 

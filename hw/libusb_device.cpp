@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "hw/ftdi.h"
+#include "hw/usb_source.h"
 
 namespace tactel::hw {
 namespace {
@@ -194,9 +194,11 @@ std::string place_text(const UsbPlace& place) {
   return "port " + place.port + (place.serial.empty() ? "" : " (serial number " + place.serial + ")");
 }
 
-LibusbContext::LibusbContext() {
-  if (const int code = libusb_init(&context_); code != 0)
+LibusbContext new_context() {
+  libusb_context* context = nullptr;
+  if (const int code = libusb_init(&context); code != 0)
     throw SourceError(std::string("USB: libusb_init: ") + libusb_error_name(code));
+  return LibusbContext(context);
 }
 
 LibusbDevice::LibusbDevice(libusb_device* usb, const UsbDevice& wanted) : wanted_(wanted) {
@@ -293,7 +295,7 @@ void LibusbDevice::control(std::uint8_t type, std::uint8_t request, int value, i
 }
 
 std::vector<ListedUsb> list_usb() {
-  const LibusbContext context;
+  const LibusbContext context = new_context();
   std::vector<ListedUsb> all;
   const Candidates candidates(context.get());
   for (const auto& [port, usb] : candidates.all())

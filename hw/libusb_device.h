@@ -12,17 +12,11 @@
 
 namespace tactel::hw {
 
-class LibusbContext {
- public:
-  LibusbContext();  ///< throws SourceError
-  ~LibusbContext() { libusb_exit(context_); }
-  LibusbContext(const LibusbContext&) = delete;
-  LibusbContext& operator=(const LibusbContext&) = delete;
-  libusb_context* get() const { return context_; }
-
- private:
-  libusb_context* context_ = nullptr;
+struct ExitLibusb {
+  void operator()(libusb_context* context) const { libusb_exit(context); }
 };
+using LibusbContext = std::unique_ptr<libusb_context, ExitLibusb>;
+LibusbContext new_context();  ///< throws SourceError
 
 /// Endpoints of the frames, by descriptor.
 struct UsbRoute {

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hw/output_file.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
-#include "hw/frame_source.h"
+#include "hw/recording.h"
 
 namespace tactel::hw {
 namespace {
@@ -26,10 +23,8 @@ bool is_stream(const std::filesystem::path& path) {
 /// Makes a new file's name durable; a folder that cannot be synchronised is left alone.
 void sync_folder(const std::filesystem::path& path) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   ::fsync(descriptor);
-  ::close(descriptor);
 }
 
 }  // namespace
@@ -38,7 +33,7 @@ OutputFile::OutputFile(const std::filesystem::path& path, Existing existing) : p
   const bool stream = is_stream(path);
   if (!stream && existing == Existing::replace) remove_file();
   const int fresh = O_CREAT | O_EXCL | O_NOFOLLOW;
-  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (stream ? 0 : fresh), 0666);
+  descriptor_ = Descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC | (stream ? 0 : fresh), 0666));
   if (descriptor_ < 0) fail(errno == EEXIST ? "exists and is not overwritten" : "cannot be written", errno);
   block_.reserve(block_size);
 }
@@ -54,10 +49,6 @@ void OutputFile::remove_file() const {
     throw RecordingError(path_.string() + ": is a symbolic link and is not overwritten; name its target");
   if (!S_ISREG(status.st_mode)) throw RecordingError(path_.string() + ": is no regular file and is not overwritten");
   if (::unlink(path_.c_str()) != 0) fail("cannot be replaced", errno);
-}
-
-OutputFile::~OutputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void OutputFile::write(Bytes bytes) { write({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); }
@@ -85,7 +76,7 @@ void OutputFile::flush() {
 void OutputFile::close() {
   flush();
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) fail("cannot be written", errno);
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
+  if (!descriptor_.close()) fail("cannot be written", errno);
   sync_folder(path_);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "hw/descriptor.h"
 #include "hw/frame_source.h"
 
 namespace tactel::hw {
@@ -23,18 +23,12 @@ class PacketRing {
   PacketRing(std::size_t slots, std::size_t slot_bytes)
       : slot_bytes_(slot_bytes), slots_(slots), bytes_(slots * slot_bytes), taken_(slot_bytes) {}
 
-  ~PacketRing() {
-    if (event_ >= 0) ::close(event_);
-  }
-  PacketRing(const PacketRing&) = delete;
-  PacketRing& operator=(const PacketRing&) = delete;
-
   /// Returns a descriptor that is readable while packets or a failure wait; -1 where the system gives none. It exists
   /// from the first call on: a ring without it costs no call of the system.
   int event() {
     const std::lock_guard lock(mutex_);
     if (event_ < 0) {
-      event_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+      event_ = Descriptor(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
       if (size_ > 0 || failure_) raise_event();
     }
     return event_;
@@ -107,7 +101,7 @@ class PacketRing {
   std::mutex mutex_;
   std::condition_variable arrived_;  ///< size_ or failure_ changed
   std::exception_ptr failure_;
-  int event_ = -1;
+  Descriptor event_;
   std::size_t slot_bytes_, first_ = 0, size_ = 0;
   std::vector<Packet> slots_;        ///< [slots]
   std::vector<std::uint8_t> bytes_;  ///< [slots, slot_bytes]

@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/formats.h"
-#include "hw/require.h"
 
 namespace tactel::hw {
 namespace {

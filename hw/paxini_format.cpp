@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <numeric>
 
-#include "hw/bytes.h"
+#include "hw/format_parts.h"
 #include "hw/formats.h"
-#include "hw/require.h"
 
 namespace tactel::hw {
 namespace {

@@ -8,8 +8,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "hw/bytes.h"
-#include "hw/pace.h"
+#include "hw/format_parts.h"
 
 namespace tactel::hw {
 namespace {

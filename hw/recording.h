@@ -1,15 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hw/descriptor.h"
 #include "hw/frame_source.h"
-#include "hw/output_file.h"
 
 namespace tactel::hw {
+
+/// A file that grows while a sensor is read. Every failure, including that of the last byte, is thrown as
+/// RecordingError with the name of the file. Writes in blocks of 8 KiB. A file that is not closed holds the
+/// blocks written so far.
+class OutputFile {
+ public:
+  enum class Existing { refuse, replace };
+  /// Creates a new file. An existing regular file is rejected, or removed first; a symbolic link is rejected. A
+  /// device or pipe is written to directly.
+  explicit OutputFile(const std::filesystem::path& path, Existing existing = Existing::refuse);
+
+  void write(Bytes bytes);
+  void write(std::string_view text);
+  void flush();                                 ///< passes all bytes to the system
+  void close();                                 ///< flushes and waits until the file is on the disk
+  std::uint64_t size() const { return size_; }  ///< bytes written so far
+
+ private:
+  void remove_file() const;
+  [[noreturn]] void fail(const std::string& what, int error) const;
+  std::filesystem::path path_;
+  Descriptor descriptor_;
+  std::uint64_t size_ = 0;
+  std::string block_;
+};
 
 inline constexpr std::string_view recording_magic = "tactel1\n";  ///< what a recording begins with
 

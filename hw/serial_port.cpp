@@ -13,8 +13,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "hw/frame_source.h"
-
 namespace tactel::hw {
 namespace {
 
@@ -67,27 +65,17 @@ SerialPort::SerialPort(std::string path, SerialSettings settings)
   if (wrong.empty() && (events_ < 0 || timer_ < 0 || watched(events_, timer_) != 0))
     wrong = std::string("no descriptor: ") + std::strerror(errno);
   if (wrong.empty()) wrong = open_port();
-  if (wrong.empty()) return;
-  ::close(events_), ::close(timer_);
-  throw SourceError("serial:" + path_ + ": " + wrong);
-}
-
-SerialPort::~SerialPort() {
-  if (file_ >= 0) ::close(file_);
-  ::close(events_), ::close(timer_);
+  if (!wrong.empty()) throw SourceError("serial:" + path_ + ": " + wrong);
 }
 
 /// Opens the port. Returns what is wrong, or nothing.
 std::string SerialPort::open_port() {
-  const int file = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  Descriptor file(::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (file < 0) return std::string("cannot be opened: ") + std::strerror(errno) + why_not_open(errno);
   std::string wrong = set_up(file, settings_.baud);
   if (wrong.empty() && watched(events_, file) != 0) wrong = std::string("cannot be watched: ") + std::strerror(errno);
-  if (!wrong.empty()) {
-    ::close(file);
-    return wrong;
-  }
-  file_ = file, answered_ = settings_.start.empty();
+  if (!wrong.empty()) return wrong;
+  file_ = std::move(file), answered_ = settings_.start.empty();
   next_call_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings_.wait));
   arm(timer_, answered_ ? 0 : look_every);
@@ -97,7 +85,7 @@ std::string SerialPort::open_port() {
 
 /// Closes the port at once, so that its name is free for the device when it is back.
 void SerialPort::hang_up() {
-  ::close(std::exchange(file_, -1));
+  file_.close();
   gap_ = true;
   arm(timer_, look_every);
 }
@@ -124,6 +112,19 @@ Bytes SerialPort::read(double timeout) {
   if (size > 0) return Bytes(bytes_).first(static_cast<std::size_t>(size));
   if (size == 0 || (errno != EINTR && errno != EAGAIN)) hang_up();
   return {};
+}
+
+std::optional<Packet> SerialSource::wait(double timeout) {
+  const Bytes bytes = port_.read(timeout);
+  if (bytes.empty()) return std::nullopt;
+  ++counts_.packets, counts_.bytes += bytes.size();
+  return Packet{bytes, now(), port_.take_gap()};
+}
+
+TransportCounts SerialSource::counts() const {
+  TransportCounts counts = counts_;
+  counts.reconnects = port_.reconnects();
+  return counts;
 }
 
 }  // namespace tactel::hw

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "hw/wire_format.h"
+#include "hw/descriptor.h"
+#include "hw/frame_source.h"
 
 namespace tactel::hw {
 
@@ -23,9 +24,6 @@ class SerialPort {
  public:
   /// Throws SourceError, with what to do, where there is no such port, it may not be opened, or makes no such rate.
   SerialPort(std::string path, SerialSettings settings);
-  ~SerialPort();
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
 
   /// Returns what came within `timeout` s, valid until the next call; mostly empty where the port waits for its device.
   Bytes read(double timeout);
@@ -44,11 +42,32 @@ class SerialPort {
 
   std::string path_;
   SerialSettings settings_;
-  int events_ = -1, timer_ = -1, file_ = -1;  ///< an epoll of the next two; file_: -1 while the device is away
+  Descriptor events_, timer_, file_;  ///< an epoll of the next two; file_: -1 while the device is away
   Clock::time_point next_call_{};
   bool answered_ = false, gap_ = false;
   std::uint64_t reconnects_ = 0;
   std::array<std::uint8_t, 4096> bytes_{};
+};
+
+/// The bytes of a serial port as they come. Waits for an unplugged device.
+class SerialSource final : public FrameSource {
+ public:
+  /// Throws SourceError as SerialPort.
+  SerialSource(std::string path, SerialSettings settings) : port_(std::move(path), std::move(settings)) {}
+  std::optional<Packet> wait(double timeout) override;
+  void answered() override { port_.answered(); }
+  bool finished() const override { return false; }
+  bool live() const override { return true; }
+  double now() const override {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - opened_).count();
+  }
+  TransportCounts counts() const override;
+  int fd() const override { return port_.fd(); }
+
+ private:
+  SerialPort port_;
+  std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();
+  TransportCounts counts_;
 };
 
 }  // namespace tactel::hw

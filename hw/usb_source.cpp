@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Packets from a device by libusb's asynchronous transfers.
+
 #include "hw/usb_source.h"
 
 #include <libusb.h>
@@ -12,7 +13,6 @@
 #include <system_error>
 #include <thread>
 
-#include "hw/ftdi.h"
 #include "hw/libusb_device.h"
 #include "hw/packet_ring.h"
 
@@ -49,7 +49,7 @@ UsbDevice same_again(UsbDevice device, const UsbChoice& choice) {
 class LibusbSource final : public UsbSource {
  public:
   explicit LibusbSource(const UsbDevice& device) : device_(device), ring_(ring_slots, longest_packet) {
-    OpenedUsb opened = open_first_free(context_->get(), device, true);
+    OpenedUsb opened = open_first_free(context_.get(), device, true);
     opened_ = std::move(opened.device);
     choice_ = std::move(opened.choice);
     device_ = same_again(device, choice_);
@@ -113,7 +113,7 @@ class LibusbSource final : public UsbSource {
       static_cast<LibusbSource*>(self)->arrived_ = true;
       return 0;
     };
-    libusb_hotplug_register_callback(context_->get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, LIBUSB_HOTPLUG_NO_FLAGS,
+    libusb_hotplug_register_callback(context_.get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, LIBUSB_HOTPLUG_NO_FLAGS,
                                      device_.vendor, device_.product, LIBUSB_HOTPLUG_MATCH_ANY, arrived, this, nullptr);
   }
 
@@ -147,7 +147,7 @@ class LibusbSource final : public UsbSource {
 
   void handle_events() {
     timeval limit{0, 1000 * poll_ms};
-    const int code = libusb_handle_events_timeout_completed(context_->get(), &limit, nullptr);
+    const int code = libusb_handle_events_timeout_completed(context_.get(), &limit, nullptr);
     if (code != 0 && code != LIBUSB_ERROR_INTERRUPTED) std::this_thread::sleep_for(pause_after_error);  // no spinning
   }
 
@@ -240,7 +240,7 @@ class LibusbSource final : public UsbSource {
     next_try_ = now + reopen_every;
     try {
       if (!arrived) look_again();
-      opened_ = open_first_free(context_->get(), device_, false).device;
+      opened_ = open_first_free(context_.get(), device_, false).device;
     } catch (const SourceError&) {
       return;  // not there yet, or not ready
     }
@@ -255,7 +255,7 @@ class LibusbSource final : public UsbSource {
   // them. A transfer keeps hold of the device it was last used for, and that of its context: no transfer may outlive
   // it.
   void look_again() {
-    auto fresh = std::make_unique<LibusbContext>();
+    LibusbContext fresh = new_context();
     free_transfers();
     context_ = std::move(fresh);
     make_transfers();
@@ -270,7 +270,7 @@ class LibusbSource final : public UsbSource {
     opened_.reset();
   }
 
-  std::unique_ptr<LibusbContext> context_ = std::make_unique<LibusbContext>();
+  LibusbContext context_ = new_context();
   UsbDevice device_;  ///< what to open; from the first opening on that same device
   UsbChoice choice_;
   std::unique_ptr<LibusbDevice> opened_;  ///< null while the device is away

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "fem/numbers/value_error.h"
-#include "nn/noise_words.h"
 
 namespace tactel::nn {
 namespace {

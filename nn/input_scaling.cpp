@@ -2,6 +2,7 @@
 #include "nn/input_scaling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -11,17 +12,9 @@
 namespace tactel::nn {
 
 const char* name(FrameStatus status) {
-  switch (status) {
-    case FrameStatus::ok:
-      return "ok";
-    case FrameStatus::no_stress:
-      return "no stress";
-    case FrameStatus::not_finite:
-      return "not finite";
-    case FrameStatus::overflow:
-      return "overflow";
-  }
-  return "unknown";
+  constexpr std::array names{"ok", "no stress", "not finite", "overflow"};
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 namespace {

@@ -65,22 +65,11 @@ Topology Topology::parse(std::string_view text) {
 }
 
 Topology Topology::paper(int number) {
-  switch (number) {
-    case 1:
-      return Topology({42, 42, 1});
-    case 2:
-      return Topology({42, 84, 1});
-    case 3:
-      return Topology({42, 21, 1});
-    case 4:
-      return Topology({42, 42, 42, 1});
-    case 5:
-      return Topology({42, 42, 82, 1});
-    case 6:
-      return Topology({42, 42, 21, 1});
-    default:
-      throw ValueError("network", std::to_string(number), allowed);
-  }
+  const std::vector<std::vector<int>> papers = {{42, 42, 1},     {42, 84, 1},     {42, 21, 1},
+                                                {42, 42, 42, 1}, {42, 42, 82, 1}, {42, 42, 21, 1}};
+  if (number < 1 || number > static_cast<int>(papers.size()))
+    throw ValueError("network", std::to_string(number), allowed);
+  return Topology(papers[static_cast<std::size_t>(number) - 1]);
 }
 
 Topology Topology::with_bound() const {

@@ -2,6 +2,7 @@
 #include "nn/train_online.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -29,19 +30,9 @@ TrainStatus status_after(const CycleErrors& errors, std::uint32_t cycle, const O
 }  // namespace
 
 const char* name(TrainStatus status) {
-  switch (status) {
-    case TrainStatus::running:
-      return "running";
-    case TrainStatus::learnt:
-      return "learnt";
-    case TrainStatus::cycle_limit:
-      return "cycle limit";
-    case TrainStatus::not_finite:
-      return "not finite";
-    case TrainStatus::early_stop:
-      return "early stop";
-  }
-  return "unknown";
+  constexpr std::array names{"running", "learnt", "cycle limit", "not finite", "early stop"};
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 void OnlineOptions::validate() const {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/answers/answer_json.h"
-
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/answers/answer_page.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "fem/numbers/angles.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"

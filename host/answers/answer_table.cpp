@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/answers/answer_table.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <tuple>
 
 #include "fem/numbers/angles.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"

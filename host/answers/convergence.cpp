@@ -13,7 +13,7 @@
 #include "fem/layer/patch_reference.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/step_quantities.h"
 #include "host/support/seconds.h"
 

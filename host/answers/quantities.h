@@ -2,7 +2,7 @@
 #pragma once
 #include <tuple>
 
-#include "host/support/each_of.h"
+#include "host/support/tables.h"
 
 // Every number of a load step of an answer, once. `steps` of the JSON, steps and arrays of the C++ API and attributes
 // of the Python API are made from these tables. A table serves all structs with its members: of a line

@@ -11,7 +11,7 @@
 
 #include "fem/gap/stress_field.h"
 #include "fem/pad/pad_presses.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/contact/limits.h"
 #include "host/scenes/ladder.h"
 #include "host/scenes/unit_warnings.h"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/api/api_errors.h"
-
 #include <tactel/progress.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "host/api/conversion.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"
 #include "hw/frame_source.h"

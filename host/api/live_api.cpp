@@ -10,15 +10,15 @@
 #include <chrono>
 #include <cstring>
 #include <memory>
-#include <system_error>
 #include <utility>
 
-#include "host/api/api_errors.h"
-#include "host/api/network_state.h"
+#include "host/api/conversion.h"
+#include "host/api/states.h"
 #include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/open_source.h"
 #include "hw/decoder.h"
+#include "hw/descriptor.h"
 
 namespace tactel {
 namespace {
@@ -87,27 +87,24 @@ class OwnBytes final : public hw::FrameSource {
 };
 
 /// A descriptor of our own for sources without one: always readable, or readable each tick.
-class Descriptor {
+class Wakeup {
  public:
-  explicit Descriptor(bool by_clock)
-      : fd_(by_clock ? ::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)
-                     : ::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)),
+  explicit Wakeup(bool by_clock)
+      : file_(by_clock ? ::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)
+                       : ::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)),
         by_clock_(by_clock) {
-    if (fd_ < 0) throw HardwareError(std::string("frame source: no descriptor: ") + std::strerror(errno));
+    if (file_ < 0) throw HardwareError(std::string("frame source: no descriptor: ") + std::strerror(errno));
     const itimerspec each{.it_interval = {0, tick}, .it_value = {0, tick}};
-    if (by_clock) ::timerfd_settime(fd_, 0, &each, nullptr);
+    if (by_clock) ::timerfd_settime(file_, 0, &each, nullptr);
   }
-  ~Descriptor() { ::close(fd_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int fd() const { return fd_; }
+  int fd() const { return file_; }
   void clear() const {
     std::uint64_t ticks = 0;
-    if (by_clock_ && ::read(fd_, &ticks, sizeof ticks) < 0) return;  // no tick since
+    if (by_clock_ && ::read(file_, &ticks, sizeof ticks) < 0) return;  // no tick since
   }
 
  private:
-  int fd_;
+  hw::Descriptor file_;
   bool by_clock_;
 };
 
@@ -193,7 +190,7 @@ struct FrameSource::State {
   hw::Decoder decoder;
   host::FrameQueue waiting;
   std::string note;
-  std::optional<Descriptor> own;
+  std::optional<Wakeup> own;
   hw::FrameSink sink;
   double arrival = 0;
   std::uint64_t number = 0;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tactel/pad.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "fem/numbers/angles.h"
 #include "fem/numbers/value_error.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 
 namespace tactel::api {
 namespace {

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <variant>
 
 #include "fem/numbers/angles.h"
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/side_kernel.h"
-#include "host/api/api_errors.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 #include "host/contact/pads/pad_step.h"
 #include "host/support/errors.h"
 #include "host/support/stop_scope.h"

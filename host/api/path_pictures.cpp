@@ -3,13 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_page.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
-#include "host/api/api_errors.h"
-#include "host/api/outcome.h"
+#include "host/api/conversion.h"
+#include "host/api/states.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/vtu.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"

@@ -3,10 +3,9 @@
 
 #include <cmath>
 
-#include "host/api/api_errors.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 #include "host/scenes/scene_file.h"
-#include "host/scenes/scene_toml.h"
+#include "host/scenes/scene_json.h"
 #include "host/support/errors.h"
 
 namespace tactel {

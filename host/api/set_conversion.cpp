@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/api/set_conversion.h"
-
-#include "host/api/api_errors.h"
+#include "host/api/conversion.h"
 
 namespace tactel {
 namespace api {

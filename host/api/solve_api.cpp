@@ -6,9 +6,8 @@
 #include "host/answers/solve.h"
 #include "host/answers/step_quantities.h"
 #include "host/answers/warnings.h"
-#include "host/api/api_errors.h"
-#include "host/api/outcome.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
+#include "host/api/states.h"
 #include "host/support/errors.h"
 
 namespace tactel {

@@ -7,7 +7,7 @@
 #include "fem/gap/load_stepping.h"
 #include "host/answers/rung_for_many.h"
 #include "host/answers/step_quantities.h"
-#include "host/api/scene_conversion.h"
+#include "host/api/conversion.h"
 #include "host/contact/limits.h"
 #include "host/contact/lines/contact_stream.h"
 #include "host/contact/pads/pad_stream.h"

@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "host/answers/rung_for_many.h"
-#include "host/api/api_errors.h"
-#include "host/api/scene_conversion.h"
-#include "host/api/set_conversion.h"
+#include "host/api/conversion.h"
 #include "host/contact/pads/pad_rung.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"

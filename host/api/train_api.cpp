@@ -4,10 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/api/api_errors.h"
-#include "host/api/network_state.h"
-#include "host/api/scene_conversion.h"
-#include "host/api/set_conversion.h"
+#include "host/api/conversion.h"
+#include "host/api/states.h"
 #include "host/networks/dense_chain.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
-#include "host/support/option_table.h"
+#include "host/commands/command.h"
+#include "host/support/tables.h"
 
 namespace tactel::host {
 
@@ -45,9 +47,21 @@ CLI::Option* add_option(CLI::App& command, const std::string& names, M& value, c
 /// Adds the options of a table, in its order.
 template <class Request, class Table>
 void add_options(CLI::App& command, Request& request, const Table& table) {
-  each_option(table, [&](const auto& option) {
+  each(table, [&](const auto& option) {
     add_option(command, option.names, request.*option.member, option.help, option.taken)->group(option.place);
   });
+}
+
+/// Adds a command to a group of the help, which calls run(request) with the request that its options fill. Returns the
+/// two.
+template <class Argument, class Request = std::remove_cvref_t<Argument>>
+std::pair<CLI::App&, Request&> add_command(CLI::App& app, Action& action, const char* group, const char* name,
+                                           const char* help, int (*run)(Argument)) {
+  const auto request = std::make_shared<Request>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->group(group);
+  command->callback([=, &action] { action = [=] { return run(*request); }; });
+  return {*command, *request};
 }
 
 }  // namespace tactel::host

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include "host/commands/add_option.h"
-#include "host/commands/calibrate_bounds.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
-#include "host/training/calibration.h"
+#include "host/training/named_network.h"
 
 namespace tactel::host {
 namespace {
@@ -59,21 +59,21 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("calibrate", "renew the conformal bound of a network; of sensors: python -m tactel.calibrate");
   command->require_subcommand(1);
-  auto request = std::make_shared<CalibrateBoundRequest>();
-  CLI::App* bound = command->add_subcommand("bound", "renew the conformal bound of a network by the rows of a set");
-  add_option(*bound, "network", request->network,
+  const auto [bound, request] =
+      add_command(*command, action, command->get_group().c_str(), "bound",
+                  "renew the conformal bound of a network by the rows of a set", run_calibrate_bound);
+  add_option(bound, "network", request.network,
              "network with a bound, see tactel train --bound (whose --bound-set does the same)", {.type = "FILE.onnx"})
       ->required();
-  add_option(*bound, "set", request->set, "set to calibrate by (HDF5), of another seed than the learning set",
+  add_option(bound, "set", request.set, "set to calibrate by (HDF5), of another seed than the learning set",
              {.type = "SET.h5"})
       ->required();
-  add_option(*bound, "--output", request->output, "network file to write (default: in place)", {.type = "FILE.onnx"});
-  add_option(*bound, "--level", request->level, "share of new frames whose S shall be below the bound, no unit",
+  add_option(bound, "--output", request.output, "network file to write (default: in place)", {.type = "FILE.onnx"});
+  add_option(bound, "--level", request.level, "share of new frames whose S shall be below the bound, no unit",
              {.least = 0.5, .most = 0.9999});
-  add_device_option(*bound, request->shared.device);
-  add_option(*bound, "--quiet", request->shared.quiet, "no progress, no warnings and no summary");
+  add_device_option(bound, request.shared.device);
+  add_option(bound, "--quiet", request.shared.quiet, "no progress, no warnings and no summary");
   command->group("Learn");  // here, or its own commands would be in this group
-  bound->callback([request, &action] { action = [request] { return run_calibrate_bound(*request); }; });
 }
 
 }  // namespace tactel::host

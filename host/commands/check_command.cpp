@@ -6,7 +6,6 @@
 #include "host/sets/check_set.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
-#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
@@ -40,13 +39,11 @@ int run_check(const CheckRequest& request) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<CheckRequest>();
-  CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name what is damaged or edited");
-  command->group("Simulate");
-  add_option(*command, "set", request->set, "a set that tactel generate wrote", {.type = "SET.h5"})->required();
-  add_option(*command, "--quiet", request->quiet, "print only damage");
-  command->footer("Exit codes: 0 as written, 2 not a set, 4 damaged or edited.");
-  command->callback([request, &action] { action = [request] { return run_check(*request); }; });
+  const auto [command, request] = add_command(
+      app, action, "Simulate", "check", "verify the checksums of a set and name what is damaged or edited", run_check);
+  add_option(command, "set", request.set, "a set that tactel generate wrote", {.type = "SET.h5"})->required();
+  add_option(command, "--quiet", request.quiet, "print only damage");
+  command.footer("Exit codes: 0 as written, 2 not a set, 4 damaged or edited.");
 }
 
 }  // namespace tactel::host

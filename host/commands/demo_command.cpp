@@ -148,16 +148,13 @@ int run_demo(const DemoRequest& request) {
 }  // namespace
 
 void add_demo_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<DemoRequest>();
-  CLI::App* command = app.add_subcommand(
-      "demo",
-      "show tactel in a minute: a contact, a set, a network, its page and a live view; each command is shown, with "
-      "its reason");
-  command->group("Set up");
-  add_option(*command, "--output", request->output, "directory of all files", {.type = "DIR"});
-  add_option(*command, "--force", request->force, "overwrite the files in DIR");
-  add_device_option(*command, request->device);
-  command->callback([request, &action] { action = [request] { return run_demo(*request); }; });
+  const auto [command, request] = add_command(app, action, "Set up", "demo",
+                                              "show tactel in a minute: a contact, a set, a network, its page and a "
+                                              "live view; each command is shown, with its reason",
+                                              run_demo);
+  add_option(command, "--output", request.output, "directory of all files", {.type = "DIR"});
+  add_option(command, "--force", request.force, "overwrite the files in DIR");
+  add_device_option(command, request.device);
 }
 
 }  // namespace tactel::host

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/commands/add_option.h"
@@ -58,6 +57,14 @@ int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
 
 namespace {
 
+struct DevicesRequest {
+  bool json = false, sensors = false;
+};
+
+int run_devices(const DevicesRequest& request) {
+  return (request.sensors ? sensors_command : devices_command)(request.json, std::cout, std::cerr);
+}
+
 /// The source of --source, and the profile that it takes.
 std::pair<std::string, std::string> source_of(const hw::ListedUsb& device) {
   const hw::UsbDevice glove = built_in_profile("glove").usb;
@@ -93,15 +100,11 @@ int sensors_command(bool json, std::ostream& out, std::ostream& complaints) {
 }
 
 void add_devices_command(CLI::App& app, Action& action) {
-  auto json = std::make_shared<bool>(false), sensors = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
-  command->group("Set up");
-  add_option(*command, "--json", *json, "print JSON instead of the table");
-  add_option(*command, "--sensors", *sensors,
+  const auto [command, request] = add_command(app, action, "Set up", "devices",
+                                              "list the OpenCL devices, with their lanes and precision", run_devices);
+  add_option(command, "--json", request.json, "print JSON instead of the table");
+  add_option(command, "--sensors", request.sensors,
              "list the USB devices that may be sensors instead, and the --source of each");
-  command->callback([json, sensors, &action] {
-    action = [json, sensors] { return (*sensors ? sensors_command : devices_command)(*json, std::cout, std::cerr); };
-  });
 }
 
 }  // namespace tactel::host

@@ -40,14 +40,12 @@ int run_extremes(const ExtremesRequest& request) {
 }  // namespace
 
 void add_extremes_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<ExtremesRequest>();
-  CLI::App* command = app.add_subcommand("extremes", "test the solvers at the limits of valid scenes, as a table");
-  command->group("Verify");
-  add_option(*command, "--quick", request->quick,
+  const auto [command, request] = add_command(
+      app, action, "Verify", "extremes", "test the solvers at the limits of valid scenes, as a table", run_extremes);
+  add_option(command, "--quick", request.quick,
              "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
-  add_device_option(*command, request->device);
-  add_option(*command, "--quiet", request->quiet, "no progress on stderr");
-  command->callback([=, &action] { action = [=] { return run_extremes(*request); }; });
+  add_device_option(command, request.device);
+  add_option(command, "--quiet", request.quiet, "no progress on stderr");
 }
 
 }  // namespace tactel::host

@@ -9,7 +9,7 @@
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/pads/pad_rung.h"
-#include "host/scenes/end_tactels.h"
+#include "host/scenes/scene_source.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
@@ -305,21 +305,19 @@ int run_generate(const GenerateRequest& request) {
 }  // namespace
 
 void add_generate_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<GenerateRequest>();
-  CLI::App* command = app.add_subcommand("generate", "simulate a set of many contacts, as HDF5");
-  command->group("Simulate");
-  add_option(*command, "sweep", request->sweep, "sweep file (TOML; mm, MPa)", {.type = "SWEEP.toml"})->required();
-  add_option(*command, "--output", request->output, "the set to write", {.type = "SET.h5"})->required();
-  add_option(*command, "--force", request->force, "overwrite an existing file, discard an interrupted run");
-  add_option(*command, "--resume", request->resume, "resume an interrupted run")->excludes("--force");
-  add_option(*command, "--columns", request->columns, "datasets of the set; all by default (docs/sets.md)",
+  const auto [command, request] =
+      add_command(app, action, "Simulate", "generate", "simulate a set of many contacts, as HDF5", run_generate);
+  add_option(command, "sweep", request.sweep, "sweep file (TOML; mm, MPa)", {.type = "SWEEP.toml"})->required();
+  add_option(command, "--output", request.output, "the set to write", {.type = "SET.h5"})->required();
+  add_option(command, "--force", request.force, "overwrite an existing file, discard an interrupted run");
+  add_option(command, "--resume", request.resume, "resume an interrupted run")->excludes("--force");
+  add_option(command, "--columns", request.columns, "datasets of the set; all by default (docs/sets.md)",
              {.type = "NAME,NAME,..."});
-  add_option(*command, "--compress", request->compress, "compress the set with gzip: smaller, slower");
-  add_option(*command, "--also-device", request->devices, "one more device to share the work (repeatable)",
+  add_option(command, "--compress", request.compress, "compress the set with gzip: smaller, slower");
+  add_option(command, "--also-device", request.devices, "one more device to share the work (repeatable)",
              {.type = "NAME|INDEX"})
       ->allow_extra_args();
-  add_shared_options(*command, request->shared, "fp32, or the rung's with --rung or --accuracy");
-  command->callback([request, &action] { action = [request] { return run_generate(*request); }; });
+  add_shared_options(command, request.shared, "fp32, or the rung's with --rung or --accuracy");
 }
 
 }  // namespace tactel::host

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/guarded.h"
-
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,9 +6,10 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "host/commands/program.h"
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "host/support/terminal.h"
 #include "hw/frame_source.h"

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/help_formatter.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "host/commands/option_errors.h"
+#include "host/commands/program.h"
 
 namespace tactel::host {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/kernel_line.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "host/commands/program.h"
 #include "host/support/progress_line.h"
 
 namespace tactel::host {

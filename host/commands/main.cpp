@@ -8,13 +8,9 @@
 #include <vector>
 
 #include "host/commands/command.h"
-#include "host/commands/guarded.h"
-#include "host/commands/help_formatter.h"
-#include "host/commands/kernel_line.h"
-#include "host/commands/option_errors.h"
-#include "host/device/compiler.h"
+#include "host/commands/program.h"
+#include "host/device/device.h"
 #include "host/support/nearest_word.h"
-#include "host/support/standard_streams.h"
 #include "host/support/terminal.h"
 
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/option_errors.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "host/commands/program.h"
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
 

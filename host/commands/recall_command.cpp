@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/commands/add_option.h"
-#include "host/commands/recall_recording.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -15,7 +15,6 @@
 #include "host/support/terminal.h"
 #include "host/training/decision.h"
 #include "host/training/network_report.h"
-#include "host/training/recall_page.h"
 
 namespace tactel::host {
 namespace {
@@ -23,6 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RecallRequest {
+  const CLI::App* command = nullptr;
   NetworkOptions shared;
   std::string networks, set, json, rows, html, decision_csv;
   bool decision = false;
@@ -160,6 +160,9 @@ std::string all_curves(std::span<const NamedNetwork> networks, const Decisions& 
 }
 
 int run_recall(const RecallRequest& request) {
+  for (const char* option : {"--rate", "--touch", "--widest"})
+    if (request.command->count(option) > 0 && !request.decides())
+      throw ConfigError("command line", option, "", "left out, or with --decision");
   check_recall_outputs(request);
   const std::vector<NamedNetwork> networks = read_networks(request.networks);
   const nn::Target target = target_of(request, networks);
@@ -203,51 +206,43 @@ int run_recall(const RecallRequest& request) {
 }  // namespace
 
 void add_recall_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<RecallRequest>();
-  CLI::App* command = app.add_subcommand("recall", "report the errors of trained networks on a set");
-  command->group("Learn");
-  add_option(*command, "networks", request->networks, "directory of tactel train, or one network (*.onnx)",
+  const auto [command, request] =
+      add_command(app, action, "Learn", "recall", "report the errors of trained networks on a set", run_recall);
+  add_option(command, "networks", request.networks, "directory of tactel train, or one network (*.onnx)",
              {.type = "DIR|FILE.onnx"})
       ->required();
-  add_option(*command, "set", request->set,
+  add_option(command, "set", request.set,
              "set to judge by (HDF5), see tactel generate; or a recording, whose frames have no true S",
              {.type = "SET.h5|RECORDING"})
       ->required();
-  add_option(*command, "--json", request->json,
-             "write all errors as JSON; - for standard output, instead of the tables", {.type = "FILE"});
-  add_option(*command, "--rows", request->rows, "write S of the set and of every network, row by row, as CSV",
+  add_option(command, "--json", request.json, "write all errors as JSON; - for standard output, instead of the tables",
+             {.type = "FILE"});
+  add_option(command, "--rows", request.rows, "write S of the set and of every network, row by row, as CSV",
              {.type = "FILE.csv"})
       ->group("Output");
-  add_option(*command, "--html", request->html,
+  add_option(command, "--html", request.html,
              "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S",
              {.type = "FILE.html"});
-  add_option(*command, "--decision", request->decision,
+  add_option(command, "--decision", request.decision,
              "judge alarms on drags until sliding: detection, false alarms and lead over thresholds");
-  add_option(*command, "--decision-csv", request->decision_csv,
+  add_option(command, "--decision-csv", request.decision_csv,
              "write the curves of --decision as CSV: a line a threshold, by signal and indenter", {.type = "FILE.csv"});
-  add_option(*command, "--rate", request->alarms.rate,
+  add_option(command, "--rate", request.alarms.rate,
              "with --decision: frames a second, for the false alarms a minute, 1/s", {.positive = true});
-  add_option(*command, "--touch", request->alarms.touch,
+  add_option(command, "--touch", request.alarms.touch,
              "with --decision: a frame whose normal stresses all stay below this is no contact and ends an alarm, MPa")
       ->check(CLI::NonNegativeNumber);
   add_option(
-      *command, "--widest", request->alarms.widest,
+      command, "--widest", request.alarms.widest,
       "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit (default: none)")
       ->check(CLI::NonNegativeNumber);
-  add_option(*command, "--friction-spread", request->spread,
+  add_option(command, "--friction-spread", request.spread,
              "tell networks of train --friction the mu of each row within this relative standard deviation (default: "
              "they are told nothing)",
              {.type = "FLOAT", .most = 1e3});
-  command->add_flag("--no-floor")->description("without effect, kept for scripts: no floor is printed");
-  add_network_options(*command, request->shared.device, request->shared.precision, request->shared.quiet);
-  command->callback([command, request, &action] {
-    action = [command, request] {
-      for (const char* option : {"--rate", "--touch", "--widest"})
-        if (command->count(option) > 0 && !request->decides())
-          throw ConfigError("command line", option, "", "left out, or with --decision");
-      return run_recall(*request);
-    };
-  });
+  command.add_flag("--no-floor")->description("without effect, kept for scripts: no floor is printed");
+  add_network_options(command, request.shared.device, request.shared.precision, request.shared.quiet);
+  request.command = &command;
 }
 
 }  // namespace tactel::host

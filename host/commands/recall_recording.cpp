@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/recall_recording.h"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -8,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/commands/command.h"
+#include "host/commands/network_parts.h"
 #include "host/live/frame_reader.h"
 #include "host/live/live_monitor.h"
 #include "host/live/open_source.h"

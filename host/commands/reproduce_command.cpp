@@ -10,9 +10,9 @@
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
-#include "host/studies/paper/direct_problem_report.h"
-#include "host/studies/paper/inverse_problem_report.h"
-#include "host/studies/paper/real_sensor_report.h"
+#include "host/studies/paper/direct_problem.h"
+#include "host/studies/paper/inverse_problem.h"
+#include "host/studies/paper/real_sensor_study.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
@@ -174,22 +174,20 @@ int run_reproduce(const ReproduceRequest& request) {
 }  // namespace
 
 void add_reproduce_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<ReproduceRequest>();
-  CLI::App* command = app.add_subcommand(
-      "reproduce", "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON");
-  command->group("Verify");
-  add_option(*command, "--output", request->output, "directory of the report", {.type = "DIR"});
-  add_device_option(*command, request->device);
-  add_option(*command, "--seeds", request->seeds,
+  const auto [command, request] = add_command(
+      app, action, "Verify", "reproduce",
+      "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON", run_reproduce);
+  add_option(command, "--output", request.output, "directory of the report", {.type = "DIR"});
+  add_device_option(command, request.device);
+  add_option(command, "--seeds", request.seeds,
              "number of initial weights of each network of Table II; 100 give the full statistics",
              {.least = 1, .most = 100000});
-  add_option(*command, "--cycles", request->cycles, "learning cycles, fewer for a quick look; 0: as many as the paper",
+  add_option(command, "--cycles", request.cycles, "learning cycles, fewer for a quick look; 0: as many as the paper",
              {.most = 1000000});
-  add_option(*command, "--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper",
+  add_option(command, "--noise-cycles", request.noise_cycles, "learning cycles with noise; 0: as many as the paper",
              {.most = 1000000});
-  add_option(*command, "--force", request->force, "train anew, and discard an interrupted training in DIR");
-  add_option(*command, "--quiet", request->quiet, "print only errors");
-  command->callback([request, &action] { action = [request] { return run_reproduce(*request); }; });
+  add_option(command, "--force", request.force, "train anew, and discard an interrupted training in DIR");
+  add_option(command, "--quiet", request.quiet, "print only errors");
 }
 
 }  // namespace tactel::host

@@ -6,16 +6,13 @@
 
 #include "fem/gap/stress_field.h"
 #include "fem/pad/side_kernel.h"
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_page.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/convergence.h"
 #include "host/answers/warnings.h"
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/pad_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/vtu.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/toml_table.h"
@@ -174,30 +171,28 @@ int run_solve(const SolveRequest& request) {
 }  // namespace
 
 void add_solve_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<SolveRequest>();
-  CLI::App* command = app.add_subcommand("solve", "solve one contact: a line per load step, or the whole answer");
-  command->group("Simulate");
-  add_option(*command, "scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)", {.type = "SCENE.toml"})
+  const auto [command, request] = add_command(
+      app, action, "Simulate", "solve", "solve one contact: a line per load step, or the whole answer", run_solve);
+  add_option(command, "scene", request.scene, "scene file (TOML; mm, MPa, N/mm, degrees)", {.type = "SCENE.toml"})
       ->required();
-  add_option(*command, "--json", request->json,
+  add_option(command, "--json", request.json,
              "write the whole answer as JSON; - for standard output, instead of the table", {.type = "FILE"});
-  add_option(*command, "--plot", request->plot,
+  add_option(command, "--plot", request.plot,
              "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm); of a pad from above",
              {.type = "FILE.svg|png|pdf"});
-  add_option(*command, "--field", request->field,
+  add_option(command, "--field", request.field,
              "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad in .vts, in .vtu the cells "
              "of its surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip",
              {.type = "FILE.vtu|vts"});
-  add_option(*command, "--html", request->html,
+  add_option(command, "--html", request.html,
              "write a page: the contact over its load steps, with rubber, tractions, stress and tactels",
              {.type = "FILE.html"});
-  add_option(*command, "--step", request->step,
+  add_option(command, "--step", request.step,
              "load step of --plot and --field, from 1 (default: the last), the first of --html, that of --converge",
              {.type = "K"});
-  add_option(*command, "--converge", request->converge,
+  add_option(command, "--converge", request.converge,
              "solve also on ever smaller cells: order, limit and its uncertainty, error of this answer");
-  add_shared_options(*command, request->shared);
-  command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
+  add_shared_options(command, request.shared);
 }
 
 }  // namespace tactel::host

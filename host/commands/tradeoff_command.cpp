@@ -8,7 +8,7 @@
 #include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
-#include "host/studies/tradeoff/tradeoff_report.h"
+#include "host/studies/tradeoff/tradeoff.h"
 #include "host/support/durable_file.h"
 #include "host/support/interrupt.h"
 #include "host/support/json_text.h"
@@ -51,18 +51,16 @@ int run_tradeoff(const TradeoffRequest& request) {
 }  // namespace
 
 void add_tradeoff_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<TradeoffRequest>();
-  CLI::App* command = app.add_subcommand("tradeoff", "measure error against speed over the ladder of models");
-  command->group("Verify");
-  add_option(*command, "--output", request->output, "directory of report, JSON and plot", {.type = "DIR"});
-  add_option(*command, "--scenes", request->scenes,
+  const auto [command, request] = add_command(app, action, "Verify", "tradeoff",
+                                              "measure error against speed over the ladder of models", run_tradeoff);
+  add_option(command, "--output", request.output, "directory of report, JSON and plot", {.type = "DIR"});
+  add_option(command, "--scenes", request.scenes,
              "contacts of the mix, of which meshes take a third (default: 288, of pads 24)",
              {.least = 8, .most = 100000});
-  add_option(*command, "--seed", request->options.seed, "seed of the mix");
-  add_option(*command, "--pads", request->pads, "rungs of pads in place of lines: some ten seconds a contact and core");
-  add_device_option(*command, request->device);
-  add_option(*command, "--quiet", request->quiet, "no progress on stderr");
-  command->callback([request, &action] { action = [request] { return run_tradeoff(*request); }; });
+  add_option(command, "--seed", request.options.seed, "seed of the mix");
+  add_option(command, "--pads", request.pads, "rungs of pads in place of lines: some ten seconds a contact and core");
+  add_device_option(command, request.device);
+  add_option(command, "--quiet", request.quiet, "no progress on stderr");
 }
 
 }  // namespace tactel::host

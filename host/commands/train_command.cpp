@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include "host/commands/add_option.h"
-#include "host/commands/calibrate_bounds.h"
+#include "host/commands/network_parts.h"
 #include "host/commands/shared_options.h"
 #include "host/support/errors.h"
-#include "host/support/freed_memory.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
@@ -90,24 +90,22 @@ int run_train(const TrainRequest& request) {
 }  // namespace
 
 void add_train_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<TrainRequest>();
-  CLI::App* command =
-      app.add_subcommand("train", "train networks that estimate S from the stresses, with learning curves");
-  command->group("Learn");
-  add_option(*command, "set", request->set, "learning set (HDF5), see tactel generate", {.type = "SET.h5"});
-  add_option(*command, "--output", request->output, "directory for the networks, their report and figure",
+  const auto [command, request] =
+      add_command(app, action, "Learn", "train",
+                  "train networks that estimate S from the stresses, with learning curves", run_train);
+  add_option(command, "set", request.set, "learning set (HDF5), see tactel generate", {.type = "SET.h5"});
+  add_option(command, "--output", request.output, "directory for the networks, their report and figure",
              {.type = "DIR"})
       ->required();
-  add_options(*command, *request, train_options);
-  command->get_option("--bound-set")->needs("--bound");
-  add_option(*command, "--recall", request->recall_set, "second set to judge the networks by", {.type = "SET.h5"});
-  add_option(*command, "--checkpoint-seconds", request->checkpoint_seconds,
+  add_options(command, request, train_options);
+  command.get_option("--bound-set")->needs("--bound");
+  add_option(command, "--recall", request.recall_set, "second set to judge the networks by", {.type = "SET.h5"});
+  add_option(command, "--checkpoint-seconds", request.checkpoint_seconds,
              "interval between two writings of DIR/checkpoint, s")
       ->check(CLI::NonNegativeNumber);
-  add_option(*command, "--resume", request->resume, "resume from DIR/checkpoint, if it exists");
-  add_option(*command, "--force", request->force, "train anew and overwrite the files in DIR")->excludes("--resume");
-  add_network_options(*command, request->device, request->precision, request->quiet);
-  command->callback([request, &action] { action = [request] { return run_train(*request); }; });
+  add_option(command, "--resume", request.resume, "resume from DIR/checkpoint, if it exists");
+  add_option(command, "--force", request.force, "train anew and overwrite the files in DIR")->excludes("--resume");
+  add_network_options(command, request.device, request.precision, request.quiet);
 }
 
 }  // namespace tactel::host

@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <type_traits>
-#include <utility>
 
 #include "host/device/device.h"
 #include "host/support/errors.h"

@@ -19,11 +19,11 @@
 #include <vector>
 
 #include "fem/numbers/cache_directory.h"
-#include "host/support/address_space.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/exit_code.h"
+#include "host/support/host_limits.h"
 
 namespace tactel::host {
 namespace {
@@ -38,20 +38,6 @@ constexpr auto until_locked = 10s;  // far more than a process takes from the ma
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
-
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Empty where it cannot be read.
 std::string content_of(const fs::path& path) try {
@@ -146,8 +132,8 @@ void remove_abandoned(const fs::path& folder) {
     if (entry->path().filename().native().starts_with(own_prefix)) others.push_back(entry->path());
   for (const fs::path& other : others) {
     const std::string kernel = other.filename().string().substr(own_prefix.size(), running_kernel().size());
-    if (const Descriptor open(other, O_RDONLY | O_DIRECTORY); is_abandoned(open.get(), kernel, until_locked))
-      fs::remove_all(other, error);
+    const hw::Descriptor open(::open(other.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (is_abandoned(open, kernel, until_locked)) fs::remove_all(other, error);
   }
 }
 
@@ -161,7 +147,7 @@ CompileCache::CompileCache(fs::path folder)
   std::string own = folder_ / fmt::format("{}{}.{}.XXXXXX", own_prefix, running_kernel(), process_);
   if (::mkdtemp(own.data()) == nullptr) throw fs::filesystem_error("mkdtemp", own, last_error());
   own_ = own;
-  presence_ = ::open(own.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  presence_ = hw::Descriptor(::open(own.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   ::flock(presence_, LOCK_EX | LOCK_NB);
 }
 
@@ -172,11 +158,7 @@ CompileCache::CompileCache(fs::path folder, fs::path own)
   if (::mkdir(own_.c_str(), S_IRWXU) != 0) throw fs::filesystem_error("mkdir", own_, last_error());
 }
 
-CompileCache::~CompileCache() {
-  leave();
-  for (const int each : {presence_, compiling_})
-    if (each >= 0) ::close(each);
-}
+CompileCache::~CompileCache() { leave(); }
 
 void CompileCache::leave() const noexcept {
   std::error_code error;

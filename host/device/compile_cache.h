@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "hw/descriptor.h"
+
 namespace tactel::host {
 
 /// Folder of compiled kernels between runs.
@@ -88,8 +90,8 @@ class CompileCache {
 
  private:
   std::filesystem::path folder_, own_;
-  int presence_ = -1;   ///< descriptor with the lock of `own_`; -1: none can be had
-  int compiling_ = -1;  ///< descriptor of the turns; -1: none can be had
+  hw::Descriptor presence_;   ///< with the lock of `own_`; -1: none can be had
+  hw::Descriptor compiling_;  ///< of the turns; -1: none can be had
   int process_;
 };
 

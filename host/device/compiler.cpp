@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/device/compiler.h"
-
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -18,18 +16,17 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
+#include "host/device/device.h"
 #include "host/device/kernel_arguments.h"
 #include "host/device/launcher.h"
-#include "host/support/address_space.h"
 #include "host/support/errors.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/group.h"
 

@@ -25,8 +25,7 @@
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
-#include "host/support/address_space.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/interleaved.h"
 

@@ -11,7 +11,7 @@
 #include "host/device/group_supply.h"
 #include "host/device/launcher.h"
 #include "host/device/thread_team.h"
-#include "host/support/host_threads.h"
+#include "host/support/host_limits.h"
 #include "host/support/seconds.h"
 #include "host/support/stop_scope.h"
 

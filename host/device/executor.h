@@ -94,8 +94,6 @@ class Executor {
  public:
   explicit Executor(const Device& device, const ExecutorOptions& options = {});
   ~Executor();
-  Executor(const Executor&) = delete;
-  Executor& operator=(const Executor&) = delete;
 
   /// Runs groups 0 ... groups - 1 and waits. `bind` must set all arguments. Rethrows the exception of any
   /// thread after all threads have stopped.

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <system_error>
 
-#include "host/support/address_space.h"
+#include "host/support/host_limits.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/figures/plot.h"
-#include "host/figures/view_parts.h"
+#include "host/figures/contact_view.h"
 
 namespace tactel::host {
 namespace {

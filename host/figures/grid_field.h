@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "fem/mesh/mesh.h"
+#include "fem/gap/stress_field.h"
+#include "host/figures/plot.h"
 
 namespace tactel::host {
 
@@ -23,5 +25,10 @@ GridField corner_grid(const fem::Mesh& mesh, const Eigen::VectorXd& values);
 /// Returns values [rows, columns] at evenly spaced points between two x and over the whole height, the ends included;
 /// the first row is the base.
 std::vector<double> resampled(const GridField& grid, std::pair<double, double> x_range, int rows, int columns);
+
+/// Returns a panel of one quantity inside the block, coloured, with contour lines, for a page. `values` [nodes];
+/// x from..to of the block, mm.
+Panel field_panel(const fem::StressField& field, const Eigen::VectorXd& values, const std::string& title,
+                  const std::string& unit, std::pair<double, double> x_range);
 
 }  // namespace tactel::host

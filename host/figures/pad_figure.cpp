@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/figures/pad_figure.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "fem/numbers/angles.h"
-#include "host/figures/pad_view.h"
-#include "host/figures/plot.h"
+#include "host/figures/contact_figure.h"
+#include "host/figures/contact_view.h"
 
 namespace tactel::host {
 namespace {

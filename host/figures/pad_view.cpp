@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/figures/pad_view.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "fem/pad/pad_markers.h"
+#include "host/figures/contact_view.h"
 
 namespace tactel::host {
 namespace {

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "host/figures/contact_view.h"
-#include "host/figures/pad_view.h"
 #include "host/figures/page_files.h"
 
 namespace tactel::host {
@@ -17,21 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* name(Tone tone) {
-  switch (tone) {
-    case Tone::good:
-      return "good";
-    case Tone::fair:
-      return "fair";
-    case Tone::poor:
-      return "poor";
-    case Tone::fact:
-      return "fact";
-    case Tone::plain:
-      break;
-  }
-  return "";
-}
+constexpr std::array tone_names{"", "good", "fair", "poor", "fact"};
+
+const char* name(Tone tone) { return tone_names[static_cast<std::size_t>(tone)]; }
 
 /// Escaped text in which the indices of stresses and displacements stand low, and `names` between backticks
 /// look like code.
@@ -176,27 +164,12 @@ nlohmann::ordered_json to_json(const Figure& figure) {
 }
 
 std::string escaped(const std::string& text) {
+  constexpr std::string_view marks = "&<>\"'";
+  constexpr std::array entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
+    const std::size_t mark = marks.find(c);
+    mark < marks.size() ? out += entities[mark] : out += c;
   }
   return out;
 }
@@ -317,6 +290,37 @@ std::string Page::html() const {
                    fmt::format("<h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}{}{}", escaped(title_), escaped(subtitle_),
                                listed ? contents : "", verdict_html(headline_, findings_), body_),
                    page_script(), listed ? " class=\"listed\"" : "");
+}
+
+namespace {
+
+std::string pad_html(std::size_t k) {
+  return fmt::format("<div><p class=\"pad-name\" id=\"name-{0}\"></p><div id=\"pad-{0}\"></div></div>\n", k);
+}
+
+}  // namespace
+
+std::string html(const LivePage& page) {
+  nlohmann::ordered_json setup{{"signal", page.signal}, {"bound", page.bound}, {"alarm", nullptr}};
+  if (std::isfinite(page.alarm)) setup["alarm"] = page.alarm;
+  std::string pads;
+  for (const LivePage::Pad& pad : page.pads) {
+    nlohmann::ordered_json one{{"name", pad.name}, {"tactels", nullptr}, {"pitch", pad.pitch}};
+    if (pad.tactels[0] > 0) one["tactels"] = pad.tactels;
+    setup["pads"].push_back(std::move(one));
+    pads += pad_html(setup["pads"].size() - 1);
+  }
+  return page_html(
+      "tactel: " + page.source,
+      fmt::format(
+          "<h1>tactel monitor</h1>\n<p class=\"subtitle\">{}</p>\n<p class=\"state fact\" id=\"state\"><b>waiting</b> "
+          "<span>for the first frame</span></p>\n<div class=\"live\"><figure><div class=\"readout\" "
+          "id=\"readout\"></div>"
+          "<div class=\"legend\" id=\"key\"></div><div id=\"history\"></div><div id=\"truth\"></div></figure>\n"
+          "<figure><div class=\"live-pads\">{}</div><div class=\"legend\" id=\"scale\"></div></figure></div>\n"
+          "<div id=\"drift\"></div>\n<script type=\"application/json\" id=\"setup\">{}</script>\n",
+          escaped(page.source), pads, script_json(setup)),
+      live_script());
 }
 
 }  // namespace tactel::host

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
 
 namespace tactel::host {
 namespace {

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "host/support/errors.h"
-#include "hw/csv_format.h"
+#include "hw/formats.h"
 
 namespace tactel::host {
 namespace {

@@ -9,7 +9,6 @@
 #include "host/support/number_lines.h"
 #include "host/support/seconds.h"
 #include "hw/frame_source.h"
-#include "hw/pace.h"
 #include "hw/serial_port.h"
 
 namespace tactel::host {
@@ -31,8 +30,6 @@ class CsvSource final : public hw::FrameSource {
   /// `path`: "-" is standard input. `paced`: a file with times, at its pace. Throws hw::RecordingError.
   CsvSource(const std::string& path, std::size_t channels, bool paced, std::optional<int> sensor = std::nullopt);
   ~CsvSource() override;
-  CsvSource(const CsvSource&) = delete;
-  CsvSource& operator=(const CsvSource&) = delete;
 
   /// Throws hw::RecordingError for a line that is no frame, once those in front of it are taken, and at the end of a
   /// source without a frame; hw::SourceError where a terminal's line hangs up, as that of an unplugged board.

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "host/device/device.h"
 #include "nn/model.h"

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "host/live/drift_watch.h"
+#include "host/live/frame_reader.h"
 #include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/mounting_watch.h"
-#include "host/live/rate_meter.h"
 #include "host/live/sensor_profile.h"
 #include "hw/decoder.h"
 #include "hw/frame_source.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "host/live/open_source.h"
 
 #include <charconv>
@@ -6,12 +7,11 @@
 
 #include "host/live/csv_source.h"
 #include "host/live/simulated_sensor.h"
-#include "host/live/source_options.h"
 #include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
 #include "hw/recording.h"
-#include "hw/serial_source.h"
+#include "hw/serial_port.h"
 #include "hw/usb_source.h"
 
 namespace tactel::host {

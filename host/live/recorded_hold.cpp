@@ -10,7 +10,6 @@
 
 #include "host/live/frame_reader.h"
 #include "host/live/live_monitor.h"
-#include "host/live/rate_meter.h"
 #include "nn/infer/grip_score.h"
 
 namespace tactel::host {

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numeric>
 
 #include "host/scenes/toml_table.h"
 #include "host/support/nearest_word.h"
-#include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
 #include "nn/infer/grip_score.h"
@@ -86,35 +86,27 @@ FormatMaker read_format(const TomlFile& file, std::string& name) {
   const auto kind = in.read_choice("kind", kinds);
   if (!kind) in.refuse_missing("kind", "generic, glove, papillarray, anyskin, agni, paxini or csv");
   name = kinds[*kind];
-  FormatMaker maker;
-  int sensors = 1, points = 1, channels = 0, magnetometers = 5;
-  if (kinds[*kind] == "papillarray" || kinds[*kind] == "paxini")
-    in.read("sensors", sensors, "the number of connected sensors");
-  if (kinds[*kind] == "paxini") in.read("points", points, "the number of points of a sensor");
-  if (kinds[*kind] == "anyskin") in.read("magnetometers", magnetometers, "the number of magnetometers");
-  if (kinds[*kind] == "csv") in.read("channels", channels, "the number of numbers in a line, but for the time");
-  switch (*kind) {
-    case 0:
-      maker = [layout = read_layout(in)] { return hw::generic_format(layout); };
-      break;
-    case 1:
-      maker = hw::glove_format;
-      break;
-    case 2:
-      maker = [sensors] { return hw::papillarray_format(sensors); };
-      break;
-    case 3:
-      maker = [magnetometers] { return hw::anyskin_format(magnetometers); };
-      break;
-    case 4:
-      maker = hw::agni_format;
-      break;
-    case 5:
-      maker = [sensors, points] { return hw::paxini_format(sensors, points); };
-      break;
-    default:
-      maker = [channels] { return hw::csv_format(channels); };
-  }
+  const auto count = [&in](const char* key, int usual, const char* words) {
+    in.read(key, usual, words);
+    return usual;
+  };
+  constexpr const char* connected = "the number of connected sensors";
+  const std::vector<std::function<FormatMaker()>> makers = {
+      [&] { return [layout = read_layout(in)] { return hw::generic_format(layout); }; },
+      [&] { return hw::glove_format; },
+      [&] { return std::bind_front(hw::papillarray_format, count("sensors", 1, connected)); },
+      [&] { return std::bind_front(hw::anyskin_format, count("magnetometers", 5, "the number of magnetometers")); },
+      [&] { return hw::agni_format; },
+      [&] {
+        const int sensors = count("sensors", 1, connected),
+                  points = count("points", 1, "the number of points of a sensor");
+        return std::bind_front(hw::paxini_format, sensors, points);
+      },
+      [&] {
+        return std::bind_front(hw::csv_format,
+                               count("channels", 0, "the number of numbers in a line, but for the time"));
+      }};
+  FormatMaker maker = makers[*kind]();
   in.finish();
   return maker;
 }

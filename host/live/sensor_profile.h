@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hw/channel_map.h"
-#include "hw/usb_device.h"
+#include "hw/usb_source.h"
 #include "hw/wire_format.h"
 #include "nn/infer/pad_moments.h"
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "host/live/source_options.h"
+#include "host/live/open_source.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
 #include "host/support/seconds.h"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/live/source_options.h"
-
 #include <charconv>
 #include <cmath>
 #include <sstream>
 #include <vector>
 
+#include "host/live/open_source.h"
 #include "host/support/errors.h"
 #include "host/support/nearest_word.h"
 

@@ -2,7 +2,6 @@
 #include "host/networks/forward.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 #include "fem/numbers/value_error.h"

@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "host/device/buffer.h"
 #include "host/device/device.h"

@@ -19,23 +19,6 @@
 #include "host/support/seconds.h"
 
 namespace tactel::host {
-namespace {
-
-/// The blocks under way at the end of a training are of no use.
-class StopAtEnd {
- public:
-  explicit StopAtEnd(FrameStream* stream) : stream_(stream) {}
-  ~StopAtEnd() {
-    if (stream_ != nullptr) stream_->stop();
-  }
-  StopAtEnd(const StopAtEnd&) = delete;
-  StopAtEnd& operator=(const StopAtEnd&) = delete;
-
- private:
-  FrameStream* stream_;
-};
-
-}  // namespace
 
 Device training_device(const Device& device, const TrainingPlan& plan) {
   const bool by_groups = !plan.batch && std::ranges::all_of(plan.topologies, [&](const nn::Topology& topology) {
@@ -153,7 +136,8 @@ bool NetworkTraining<Real>::run(const TrainingRunOptions& options) {
   const int threads = stream_ != nullptr ? stream_->at_once() : 0;
   MadeAhead<Block> blocks(block_, threads, static_cast<std::size_t>(threads) + 2,
                           [this](std::uint64_t k) { return made_block(k); });
-  const StopAtEnd stop_at_end(stream_);
+  // The blocks under way at the end of a training are of no use.
+  const std::unique_ptr<FrameStream, decltype([](FrameStream* stream) { stream->stop(); })> stop_at_end(stream_);
   bool going = true;
   while (going && running()) {
     going = run_round(blocks, options);

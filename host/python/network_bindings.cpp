@@ -9,7 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "host/python/words.h"
 #include "host/training/train_options.h"
 
 namespace tactel::python {
@@ -228,7 +227,7 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
 /// The options of a training that are among these words.
 TrainOptions train_options_of(const py::dict& words) {
   TrainOptions options;
-  host::each_option(host::train_options, [&]<class Owner, class M>(const host::Option<Owner, M>& option) {
+  host::each(host::train_options, [&]<class Owner, class M>(const host::Option<Owner, M>& option) {
     if constexpr (std::is_same_v<Owner, TrainOptions>) take(words, option.key(), options.*option.member);
   });
   return options;

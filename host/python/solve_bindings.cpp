@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <memory>
 #include <utility>
 
 #include "host/python/path_arrays.h"
-#include "host/python/words.h"
 
 namespace tactel::python {
 namespace {

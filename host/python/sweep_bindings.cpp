@@ -5,8 +5,6 @@
 #include <utility>
 #include <variant>
 
-#include "host/python/words.h"
-
 namespace tactel::python {
 namespace {
 

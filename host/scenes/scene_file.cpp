@@ -10,7 +10,6 @@
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
 #include "host/scenes/toml_table.h"
-#include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {

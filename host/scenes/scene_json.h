@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "fem/pad/pad_scene.h"
 #include "fem/scenes/scene.h"
@@ -11,5 +12,10 @@ namespace tactel::host {
 /// height map: its file).
 nlohmann::ordered_json to_json(const fem::Scene& scene);
 nlohmann::ordered_json to_json(const fem::PadScene& scene);
+
+/// Returns the file of a scene, with every default filled in. Throws ConfigError for points of a measured profile that
+/// no file holds.
+std::string scene_toml(const fem::Scene& scene);
+std::string scene_toml(const fem::PadScene& scene);
 
 }  // namespace tactel::host

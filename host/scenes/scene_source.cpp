@@ -76,7 +76,7 @@ std::vector<float> places_on_pad(const std::vector<fem::PadSensor>& sensors, Eig
 
 template <class Scene>
 SourceOf<Scene> SourceOf<Scene>::read(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
-  return SweepReaderOf<Scene>(path, seed).read();
+  return SweepReaderOf<Scene>(TomlFile(path), seed).read();
 }
 
 template <class Scene>
@@ -228,5 +228,13 @@ Hold SourceOf<Scene>::hold(std::uint64_t k) const {
 
 template class SourceOf<fem::Scene>;
 template class SourceOf<fem::PadScene>;
+
+bool tactels_at_ends(const fem::Sensor& sensor) {
+  return sensor.tactels > 1 && sensor.tactel_width == 0 && sensor.span() > sensor.length * (1 - 1e-6);
+}
+
+bool tactels_at_ends(const SceneSource& source) {
+  return std::ranges::any_of(source.sensors(), [](const fem::Sensor& sensor) { return tactels_at_ends(sensor); });
+}
 
 }  // namespace tactel::host

@@ -4,6 +4,7 @@
 #include "fem/numbers/angles.h"
 #include "fem/scenes/scene.h"
 #include "host/scenes/toml_table.h"
+#include "nn/transducer_chain.h"
 
 namespace tactel::host {
 
@@ -26,5 +27,9 @@ void read_contact(const TomlFile& file, double& friction);
 /// Reads the load. With `defaults`, the load in `out` is the default. Otherwise an indentation or a force is
 /// required.
 void read_load(const TomlFile& file, fem::Load& out, bool defaults);
+
+/// Reads the table [transducer] of a sweep file, which may be absent. `seed` is the default of transducer.seed.
+/// Throws ConfigError.
+nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed);
 
 }  // namespace tactel::host

@@ -5,10 +5,8 @@
 
 #include <sstream>
 
-#include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/sweep_reader.h"
-#include "host/scenes/transducer_table.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -63,9 +61,11 @@ bool draws_pads(const TomlFile& file) {
   return sensor != nullptr && (*sensor)["kind"].value<std::string>() == "pad";
 }
 
-AnySource read_drawn(TomlFile file, std::optional<std::uint64_t> seed) {
-  if (draws_pads(file)) return SweepReaderOf<fem::PadScene>(std::move(file), seed).read();
-  return SweepReaderOf<fem::Scene>(std::move(file), seed).read();
+Sweep sweep_of(TomlFile file, std::optional<std::uint64_t> seed) {
+  std::string text = file.text();
+  if (TomlTable(file, "sweep").has("set")) return {std::move(text), paper_source(file, seed)};
+  if (draws_pads(file)) return {std::move(text), SweepReaderOf<fem::PadScene>(std::move(file), seed).read()};
+  return {std::move(text), SweepReaderOf<fem::Scene>(std::move(file), seed).read()};
 }
 
 /// Of a pad so many tactels along each side, on the area that the file's tactels share.
@@ -90,16 +90,11 @@ const SceneSource& Sweep::lines(const std::string& file) const {
 }
 
 Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
-  const TomlFile file(path);
-  TomlTable sweep(file, "sweep");
-  return {file.text(), sweep.has("set") ? paper_source(file, seed) : read_drawn(TomlFile(path), seed)};
+  return sweep_of(TomlFile(path), seed);
 }
 
 Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed) {
-  TomlFile file(path, std::move(text));
-  TomlTable sweep(file, "sweep");
-  const std::string kept = file.text();
-  return {kept, sweep.has("set") ? paper_source(file, seed) : read_drawn(std::move(file), seed)};
+  return sweep_of(TomlFile(path, std::move(text)), seed);
 }
 
 Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<std::uint64_t> seed,

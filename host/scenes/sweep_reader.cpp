@@ -15,7 +15,6 @@
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
-#include "host/scenes/transducer_table.h"
 #include "host/support/checksum.h"
 #include "host/support/nearest_word.h"
 
@@ -132,10 +131,6 @@ FileSum file_of(const fem::PadShape& shape) {
 }
 
 }  // namespace
-
-template <class Scene>
-SweepReaderOf<Scene>::SweepReaderOf(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
-    : SweepReaderOf(TomlFile(path), seed) {}
 
 template <class Scene>
 SweepReaderOf<Scene>::SweepReaderOf(TomlFile file, std::optional<std::uint64_t> seed)

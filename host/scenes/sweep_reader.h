@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 
 #include "host/scenes/scene_source.h"
@@ -23,8 +22,6 @@ class SweepReaderOf {
 
  public:
   /// `seed`: takes the place of the file's.
-  explicit SweepReaderOf(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
-  /// The same of a file that is open already.
   explicit SweepReaderOf(TomlFile file, std::optional<std::uint64_t> seed = {});
   Source read();
 

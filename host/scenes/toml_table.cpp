@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <sstream>
 
@@ -200,100 +199,59 @@ void TomlTable::refuse_missing(const std::string& key, const std::string& allowe
   throw file_.error(full(key), nullptr, allowed);
 }
 
-double TomlTable::number(const toml::node& node, const std::string& key, const std::string& what) const {
-  const std::optional<double> value = toml_number(node);
-  if (!value) throw file_.error(full(key), &node, what);
-  if (!std::isfinite(*value)) throw file_.error(full(key), &node, "finite, " + what);
-  return *value;
+template <class T>
+void TomlTable::take(const toml::node& node, const std::string& key, T& value, const std::string& what) const {
+  const auto expect = [&](bool good) {
+    if (!good) throw file_.error(full(key), &node, what);
+  };
+  if constexpr (std::is_same_v<T, double>) {
+    const std::optional<double> number = toml_number(node);
+    expect(number.has_value());
+    if (!std::isfinite(*number)) throw file_.error(full(key), &node, "finite, " + what);
+    value = *number;
+  } else if constexpr (std::is_same_v<T, int>) {
+    constexpr std::int64_t most = std::numeric_limits<int>::max();
+    std::int64_t whole = 0;
+    take(node, key, whole, what);
+    expect(whole <= most && whole >= -most);
+    value = static_cast<int>(whole);
+  } else if constexpr (toml::is_value<T>) {
+    expect(node.is<T>());
+    value = **node.as<T>();
+  } else if constexpr (std::is_same_v<T, std::array<double, 2>>) {
+    const toml::array* both = node.as_array();
+    expect(both != nullptr && both->size() == 2);
+    for (std::size_t i : {0, 1}) take(*both->get(i), key, value[i], what);
+  } else {
+    expect(node.is_array());
+    value.clear();
+    for (const toml::node& entry : *node.as_array()) take(entry, key, value.emplace_back(), what);
+  }
 }
 
-int TomlTable::whole(const toml::node& node, const std::string& key, const std::string& what) const {
-  const std::int64_t value = node.is_integer() ? *node.value<std::int64_t>() : 0;
-  constexpr std::int64_t most = std::numeric_limits<int>::max();
-  if (!node.is_integer() || value > most || value < -most) throw file_.error(full(key), &node, what);
-  return static_cast<int>(value);
-}
-
-bool TomlTable::read(const std::string& key, double& value, const std::string& what) {
+template <class T>
+bool TomlTable::read(const std::string& key, T& value, const std::string& what) {
   const toml::node* node = find(key);
-  if (node != nullptr) value = number(*node, key, what);
+  if (node != nullptr) take(*node, key, value, what);
   return node != nullptr;
 }
 
-bool TomlTable::read(const std::string& key, int& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node != nullptr) value = whole(*node, key, what);
-  return node != nullptr;
-}
-
-bool TomlTable::read(const std::string& key, std::int64_t& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_integer()) throw file_.error(full(key), node, what);
-  value = *node->value<std::int64_t>();
-  return true;
-}
-
-bool TomlTable::read(const std::string& key, std::string& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_string()) throw file_.error(full(key), node, what);
-  value = *node->value<std::string>();
-  return true;
-}
-
-bool TomlTable::read(const std::string& key, bool& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_boolean()) throw file_.error(full(key), node, what);
-  value = *node->value<bool>();
-  return true;
-}
-
-bool TomlTable::read(const std::string& key, std::vector<double>& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_array()) throw file_.error(full(key), node, what);
-  value.clear();
-  for (const toml::node& entry : *node->as_array()) value.push_back(number(entry, key, what));
-  return true;
-}
-
-bool TomlTable::read(const std::string& key, std::vector<int>& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_array()) throw file_.error(full(key), node, what);
-  value.clear();
-  for (const toml::node& entry : *node->as_array()) value.push_back(whole(entry, key, what));
-  return true;
-}
-
-std::array<double, 2> TomlTable::pair(const toml::node& node, const std::string& key, const std::string& what) const {
-  const toml::array* both = node.as_array();
-  if (both == nullptr || both->size() != 2) throw file_.error(full(key), &node, what);
-  return {number(*both->get(0), key, what), number(*both->get(1), key, what)};
-}
-
-bool TomlTable::read(const std::string& key, std::array<double, 2>& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node != nullptr) value = pair(*node, key, what);
-  return node != nullptr;
-}
-
-bool TomlTable::read(const std::string& key, std::vector<std::array<double, 2>>& value, const std::string& what) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  if (!node->is_array()) throw file_.error(full(key), node, what);
-  value.clear();
-  for (const toml::node& entry : *node->as_array()) value.push_back(pair(entry, key, what));
-  return true;
-}
+template bool TomlTable::read(const std::string&, double&, const std::string&);
+template bool TomlTable::read(const std::string&, int&, const std::string&);
+template bool TomlTable::read(const std::string&, std::int64_t&, const std::string&);
+template bool TomlTable::read(const std::string&, std::string&, const std::string&);
+template bool TomlTable::read(const std::string&, bool&, const std::string&);
+template bool TomlTable::read(const std::string&, std::vector<double>&, const std::string&);
+template bool TomlTable::read(const std::string&, std::vector<int>&, const std::string&);
+template bool TomlTable::read(const std::string&, std::array<double, 2>&, const std::string&);
+template bool TomlTable::read(const std::string&, std::vector<std::array<double, 2>>&, const std::string&);
 
 bool TomlTable::read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what) {
   const toml::node* node = find(key);
   if (node == nullptr) return false;
   if (node->is_array() && !node->as_array()->empty()) return read(key, value, what);
-  value = {number(*node, key, what)};
+  value.resize(1);
+  take(*node, key, value[0], what);
   return true;
 }
 

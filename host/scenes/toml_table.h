@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -64,18 +62,9 @@ class TomlTable {
 
   bool has(const std::string& key) const;
   bool has_text(const std::string& key) const;  ///< for keys that also accept another type
-  bool read(const std::string& key, double& value, const std::string& what);
-  bool read(const std::string& key, int& value, const std::string& what);
-  bool read(const std::string& key, std::int64_t& value, const std::string& what);
-  bool read(const std::string& key, std::string& value, const std::string& what);
-  bool read(const std::string& key, bool& value, const std::string& what);
-  /// An array of numbers.
-  bool read(const std::string& key, std::vector<double>& value, const std::string& what);
-  bool read(const std::string& key, std::vector<int>& value, const std::string& what);
-  /// An array of two numbers.
-  bool read(const std::string& key, std::array<double, 2>& value, const std::string& what);
-  /// An array of such arrays.
-  bool read(const std::string& key, std::vector<std::array<double, 2>>& value, const std::string& what);
+  /// T: double, int, std::int64_t, std::string, bool, two numbers (std::array), or a std::vector of numbers or of these.
+  template <class T>
+  bool read(const std::string& key, T& value, const std::string& what);
   /// One number, or an array of at least one.
   bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
   /// Reads one word of `words` and returns its index.
@@ -105,9 +94,8 @@ class TomlTable {
       : file_(file), name_(name), table_(table) {}
   const toml::node* find(const std::string& key);
   std::string full(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
-  double number(const toml::node& node, const std::string& key, const std::string& what) const;
-  std::array<double, 2> pair(const toml::node& node, const std::string& key, const std::string& what) const;
-  int whole(const toml::node& node, const std::string& key, const std::string& what) const;
+  template <class T>
+  void take(const toml::node& node, const std::string& key, T& value, const std::string& what) const;
 
   const TomlFile& file_;
   std::string name_;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/scenes/transducer_table.h"
-
 #include <toml++/toml.h>
 
 #include <cmath>
 
 #include "host/scenes/distribution.h"
+#include "host/scenes/scene_tables.h"
 
 namespace tactel::host {
 namespace {

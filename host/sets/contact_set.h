@@ -10,12 +10,11 @@
 #include <memory>
 #include <set>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <vector>
 
-#include "host/support/each_of.h"
+#include "host/support/tables.h"
 #include "nn/frame_set.h"
 
 namespace tactel::host {

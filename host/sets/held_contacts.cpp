@@ -11,7 +11,7 @@
 #include "host/contact/limits.h"
 #include "host/contact/pads/pad_step.h"
 #include "host/scenes/scene_source.h"
-#include "host/sets/stage_seconds.h"
+#include "host/support/seconds.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_step_layout.h"
 

@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 
 #include "host/sets/set_seal.h"
 #include "host/sets/set_spool.h"
 #include "host/support/bounded_file.h"
 #include "host/support/errors.h"
+#include "hw/descriptor.h"
 
 namespace tactel::host {
 namespace {
@@ -96,10 +96,7 @@ std::string unreadable(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::not_found) return "missing";
   if (std::filesystem::is_directory(status)) return "a folder";
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return "no regular file";
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return std::strerror(errno);
-  ::close(file);
-  return "";
+  return hw::Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) < 0 ? std::strerror(errno) : "";
 }
 
 hid_t open_to_read(const std::filesystem::path& path) {

@@ -12,9 +12,8 @@
 #include <mutex>
 #include <thread>
 
-#include "host/sets/stage_seconds.h"
 #include "host/support/errors.h"
-#include "host/support/freed_memory.h"
+#include "host/support/host_limits.h"
 #include "host/support/stop_scope.h"
 
 namespace tactel::host {

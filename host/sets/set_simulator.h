@@ -1,15 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <atomic>
-#include <vector>
 
 #include "host/contact/lines/gap_sweep.h"
 #include "host/contact/pads/pad_rung.h"
+#include "host/scenes/paper_sets.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/contact_set.h"
-#include "host/sets/stage_seconds.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
+
+/// Time of the stages of a set, s, summed over threads.
+struct StageSeconds {
+  double draw = 0, lay_out = 0;       ///< contacts; their numbers in lanes
+  double solve = 0, solve_again = 0;  ///< in kernels and waiting for them; contacts that need more than their kernel
+  double gather = 0, write = 0;       ///< rows; rows to the disk
+  double all() const { return draw + lay_out + solve + solve_again + gather + write; }
+  StageSeconds& operator+=(const StageSeconds& more) {
+    draw += more.draw, lay_out += more.lay_out, solve += more.solve, solve_again += more.solve_again;
+    gather += more.gather, write += more.write;
+    return *this;
+  }
+};
 
 struct SetOptions {
   Precision precision = Precision::fp32;
@@ -74,5 +87,11 @@ struct SetSimulator::State {
   virtual void run(Range& range, const RunOptions& options) const = 0;
   virtual ContactSet collect(Range& range) = 0;
 };
+
+/// Simulates a family by SetSimulator. Warns on the device's log of contacts that stay unsolved.
+ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance);
+
+/// Returns a warning about contacts that stayed unsolved, with their count; none where there are none.
+std::optional<std::string> unsolved_warning(const ContactSet& set);
 
 }  // namespace tactel::host

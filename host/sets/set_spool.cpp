@@ -12,10 +12,10 @@
 #include <fstream>
 #include <system_error>
 
-#include "host/sets/stage_seconds.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
@@ -88,13 +88,12 @@ void remove_spool(const fs::path& folder) {
 }
 
 /// Opens the file to which a process appends.
-int open_to_append(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
+hw::Descriptor open_to_append(const fs::path& path) {
+  hw::Descriptor file(::open(path.c_str(), O_CREAT | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666));
   struct stat status {};
   if (file < 0 || ::fstat(file, &status) != 0 || !sync_folder(path.parent_path()))
     throw fs::filesystem_error("opening", path, {errno, std::generic_category()});
   if (S_ISREG(status.st_mode)) return file;
-  ::close(file);
   throw ConfigError(path.string(), "", "", "a regular file; remove it");
 }
 
@@ -137,10 +136,6 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
     file_ = open_to_append(file);
     end_ = fs::file_size(file);
   });
-}
-
-SetSpool::~SetSpool() {
-  if (file_ >= 0) ::close(file_);
 }
 
 void SetSpool::check_plan(const std::string& plan, Open how) const {

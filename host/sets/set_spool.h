@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -8,11 +9,27 @@
 #include <string>
 #include <vector>
 
-#include "host/sets/chunk_header.h"
 #include "host/sets/contact_set.h"
+#include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 
 namespace tactel::host {
+
+/// Header of the rows of a chunk. The byte order is that of the machine; the folder cannot be moved to another
+/// kind.
+struct ChunkHeader {
+  static constexpr std::uint64_t right_magic = 0x396c6f6f70736c74;  // "tlspool9"
+
+  std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
+  SetCounts counts{};
+  std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
+  std::uint64_t header_sum = 0;   ///< checksum of the preceding members
+
+  std::uint64_t sum() const {
+    return checksum({reinterpret_cast<const char*>(this), offsetof(ChunkHeader, header_sum)});
+  }
+  bool whole() const { return magic == right_magic && header_sum == sum(); }
+};
 
 /// Chunks of an unfinished set: a folder SET.h5.parts beside the set. Each process appends the chunks that it makes to
 /// a file of its own, `NNNN.chunks`, in any order. A header before each has a checksum of its rows and one of the plan.
@@ -27,7 +44,6 @@ class SetSpool {
   /// written.
   SetSpool(const std::filesystem::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
            Open how, int process = 0);
-  ~SetSpool();
   SetSpool(const SetSpool&) = delete;
   SetSpool& operator=(const SetSpool&) = delete;
 
@@ -78,7 +94,7 @@ class SetSpool {
   std::map<std::uint64_t, Chunk> chunks_;
   bool torn_ = false;
   std::mutex mutex_;
-  int file_ = -1;  ///< of this process
+  hw::Descriptor file_;  ///< of this process
   std::uint64_t end_ = 0, bytes_ = 0;
   double seconds_ = 0;
   std::chrono::steady_clock::time_point synced_{};

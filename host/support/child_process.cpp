@@ -14,9 +14,9 @@
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "host/support/interrupt.h"
+#include "hw/descriptor.h"
 
 extern char** environ;
 
@@ -24,22 +24,12 @@ namespace tactel::host {
 namespace {
 
 struct Pipe {
-  int read = -1, write = -1;
+  hw::Descriptor read, write;
   Pipe() {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
-    read = ends[0];
-    write = ends[1];
+    read = hw::Descriptor(ends[0]), write = hw::Descriptor(ends[1]);
   }
-  ~Pipe() {
-    ::close(read);
-    close_write();
-  }
-  void close_write() {
-    if (write >= 0) ::close(std::exchange(write, -1));
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
 };
 
 /// The words as posix_spawn takes them.
@@ -98,8 +88,8 @@ ChildResult run_child(const std::vector<std::string>& command) {
   if (const int error = spawn(command, out, err, child); error != 0) {
     return {.exit_code = 127, .out = "", .err = command.front() + ": " + std::strerror(error)};
   }
-  out.close_write();
-  err.close_write();
+  out.write.close();
+  err.write.close();
   drain(out, err, result);
   result.exit_code = wait_for(child);
   return result;

@@ -35,21 +35,10 @@ constexpr std::string_view suffix = ".tactel-part";
 
 /// What the user can do about an error of the file system; empty where that is plain.
 std::string advice(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return "; make room there or choose another disk";
-    case EFBIG:
-      return "; allow larger files (ulimit -f)";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "; choose a folder that you may write to";
-    case ENOENT:
-      return "; make the folder first";
-    default:
-      return "";
-  }
+  if (error == ENOSPC || error == EDQUOT) return "; make room there or choose another disk";
+  if (error == EFBIG) return "; allow larger files (ulimit -f)";
+  if (error == EACCES || error == EPERM || error == EROFS) return "; choose a folder that you may write to";
+  return error == ENOENT ? "; make the folder first" : "";
 }
 
 [[noreturn]] void refuse(const std::string& option, const fs::path& path, const std::string& why) {
@@ -117,13 +106,11 @@ int lock_error(int file, int how) {
 
 /// Removes a temporary whose process has gone; its lock went with it.
 void remove_if_left(const fs::path& path, const std::string& kernel) {
-  const int file = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) return;
+  const hw::Descriptor file(::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK));
   struct stat status;
-  if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
+  if (file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
       is_abandoned(file, kernel))
     ::unlink(path.c_str());
-  ::close(file);
 }
 
 void remove_leftovers_once(const fs::path& folder) {
@@ -137,18 +124,17 @@ void remove_leftovers_once(const fs::path& folder) {
 }
 
 /// Opens a temporary of a new name beside `target`, locked. -1 with errno on failure.
-int open_temporary(const fs::path& target, fs::path& temporary) {
+hw::Descriptor open_temporary(const fs::path& target, fs::path& temporary) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     temporary = temporary_beside(target);
-    const int file = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    hw::Descriptor file(::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
     if (file < 0 && errno == EEXIST) continue;  // left by a process that had this number
-    if (file < 0) return -1;
+    if (file < 0) return file;
     lock_error(file, LOCK_EX);  // a file system without locks does without the removal of leftovers
-    if (is_same_file(file, temporary)) return file;
-    ::close(file);  // another process took it for a leftover, before it was locked
+    if (is_same_file(file, temporary)) return file;  // else another process took it for a leftover, before its lock
   }
   errno = EEXIST;
-  return -1;
+  return hw::Descriptor();
 }
 
 bool sync_file(int file) { return ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP; }
@@ -166,13 +152,8 @@ bool write_all(int file, std::string_view bytes) {
 }
 
 bool sync_folder(const fs::path& folder) {
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return errno == EACCES;  // a folder may be written to and not read
-  const bool good = sync_file(file);
-  const int error = errno;
-  ::close(file);
-  errno = error;
-  return good;
+  const hw::Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return file < 0 ? errno == EACCES : sync_file(file);  // a folder may be written to and not read
 }
 
 void remove_leftovers(const fs::path& folder) {
@@ -218,7 +199,7 @@ DurableFile::~DurableFile() { drop(); }
 void DurableFile::drop() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
   temporary_.clear();
-  if (file_ >= 0) ::close(std::exchange(file_, -1));
+  file_.close();
 }
 
 void DurableFile::fail(int error) {
@@ -234,7 +215,7 @@ void DurableFile::commit() {
   if (!sync_file(file_) || ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
   temporary_.clear();
   if (!sync_folder(folder_of(target_))) fail(errno);
-  if (::close(std::exchange(file_, -1)) != 0 && errno != EINTR) fail(errno);
+  if (!file_.close() && errno != EINTR) fail(errno);
 }
 
 void check_writable(const std::string& option, const fs::path& path) {
@@ -250,11 +231,8 @@ void check_writable(const std::string& option, const fs::path& path) {
 void write_file(const std::string& option, const fs::path& path, std::string_view content) {
   check_writable(option, path);
   if (const fs::path target = behind_links(option, path); is_special(target)) {
-    const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    const bool good = file >= 0 && write_all(file, content);
-    const int error = errno;
-    if (file >= 0) ::close(file);
-    if (!good) refuse(option, path, error);
+    const hw::Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC));
+    if (file < 0 || !write_all(file, content)) refuse(option, path, errno);
     return;
   }
   DurableFile file(option, path);
@@ -284,47 +262,27 @@ void take(int file, const std::string& option, const fs::path& path, const std::
   constexpr auto turn = std::chrono::milliseconds(20);
   for (int turns = 0; turns < 50; ++turns, std::this_thread::sleep_for(turn))
     if (lock_error(file, LOCK_EX | LOCK_NB) != EWOULDBLOCK) return;
-  ::close(file);
   throw ConfigError("command line", option, path.string(), allowed);
 }
 
 }  // namespace
 
 FileLock FileLock::of_folder(const std::string& option, const fs::path& path, const std::string& allowed) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) refuse(option, path, errno);
-  take(file, option, path, allowed);
   FileLock lock;
-  lock.file_ = file;
+  lock.file_ = hw::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!lock.held()) refuse(option, path, errno);
+  take(lock.file_, option, path, allowed);
   return lock;
 }
 
 FileLock FileLock::of_file(const std::string& option, const fs::path& path, const std::string& allowed) {
   for (;;) {
-    const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file < 0) refuse(option, path, errno);
-    take(file, option, path, allowed);
-    if (is_same_file(file, path)) {
-      FileLock lock;
-      lock.file_ = file;
-      return lock;
-    }
-    ::close(file);  // its last owner removed it between the two calls
+    FileLock lock;
+    lock.file_ = hw::Descriptor(::open(path.c_str(), O_CREAT | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666));
+    if (!lock.held()) refuse(option, path, errno);
+    take(lock.file_, option, path, allowed);
+    if (is_same_file(lock.file_, path)) return lock;  // else its last owner removed it between the two calls
   }
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-
-FileLock& FileLock::operator=(FileLock&& other) noexcept {
-  release();
-  file_ = std::exchange(other.file_, -1);
-  return *this;
-}
-
-FileLock::~FileLock() { release(); }
-
-void FileLock::release() {
-  if (file_ >= 0) ::close(std::exchange(file_, -1));
 }
 
 }  // namespace tactel::host

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "hw/descriptor.h"
+
 namespace tactel::host {
 
 /// A file under a temporary name beside its target until commit(). A reader sees the old file or the new one,
@@ -17,8 +19,6 @@ class DurableFile {
   DurableFile(std::string option, std::filesystem::path path);
   /// Removes the temporary unless it was committed.
   ~DurableFile();
-  DurableFile(const DurableFile&) = delete;
-  DurableFile& operator=(const DurableFile&) = delete;
 
   /// Returns the temporary, for libraries that write by name, such as HDF5. They must close it before commit().
   const std::filesystem::path& temporary() const { return temporary_; }
@@ -31,7 +31,7 @@ class DurableFile {
 
   std::string option_;
   std::filesystem::path path_, target_, temporary_;  ///< as given; with links resolved; empty after commit()
-  int file_ = -1;
+  hw::Descriptor file_;
 };
 
 /// Writes a whole file as a DurableFile. A target that is not a regular file (a pipe, /dev/stdout) is written
@@ -71,15 +71,11 @@ class FileLock {
   static FileLock of_folder(const std::string& option, const std::filesystem::path& path, const std::string& allowed);
   /// Locks a file, which is created where it is missing.
   static FileLock of_file(const std::string& option, const std::filesystem::path& path, const std::string& allowed);
-  FileLock() = default;
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&& other) noexcept;
-  ~FileLock();
   bool held() const { return file_ >= 0; }
-  void release();
+  void release() { file_.close(); }
 
  private:
-  int file_ = -1;
+  hw::Descriptor file_;
 };
 
 }  // namespace tactel::host

@@ -37,8 +37,6 @@ class MadeAhead {
     changed_.notify_all();
     threads_.clear();
   }
-  MadeAhead(const MadeAhead&) = delete;
-  MadeAhead& operator=(const MadeAhead&) = delete;
 
   int threads() const { return static_cast<int>(threads_.size()); }
 

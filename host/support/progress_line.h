@@ -25,8 +25,6 @@ class ProgressLine {
   /// `quiet` prints nothing.
   ProgressLine(std::string job, std::string unit, bool quiet, double per_count = 1, ProgressTimes times = {});
   ~ProgressLine();  ///< clears the line
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
 
   /// `rate` replaces the line's own rate.
   void show(std::size_t done, std::size_t total, const std::string& rate = "");

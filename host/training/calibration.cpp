@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/training/calibration.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "fem/numbers/value_error.h"
 #include "host/networks/forward.h"
 #include "host/support/errors.h"
+#include "host/training/named_network.h"
 
 namespace tactel::host {
 namespace {

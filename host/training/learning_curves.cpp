@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/training/learning_curves.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "host/training/training_directory.h"
 #include "nn/metrics.h"
 
 namespace tactel::host {

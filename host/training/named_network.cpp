@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
-#include "host/support/nearest_word.h"
 #include "nn/infer/built_in.h"
 
 namespace tactel::host {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/training/recall_page.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "host/figures/error_panels.h"
 #include "host/figures/plot.h"
+#include "host/training/network_report.h"
 
 namespace tactel::host {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "host/answers/rung_for_many.h"
-#include "host/scenes/end_tactels.h"
+#include "host/scenes/scene_source.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/contact_set.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "host/support/option_table.h"
+#include "host/support/tables.h"
 
 namespace tactel::host {
 

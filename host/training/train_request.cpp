@@ -18,7 +18,7 @@ constexpr int default_epochs = 1000;
 [[noreturn]] void blame_option(const ValueError& error) {
   const std::string key = error.key.substr(error.key.find('.') + 1);  // "training.rate"
   std::string flag = "--" + key;
-  each_option(train_options, [&](const auto& option) {
+  each(train_options, [&](const auto& option) {
     if (option.key() == key) flag = option.flag();
   });
   throw ConfigError("command line", flag, error.value, error.allowed);

@@ -16,7 +16,6 @@
 #include "host/support/errors.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
-#include "host/training/learning_curves.h"
 #include "host/training/network_report.h"
 #include "host/training/streams.h"
 #include "host/training/training_directory.h"

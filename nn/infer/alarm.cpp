@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nn/infer/frame_health.h"
 #include "nn/infer/grip_score.h"
 #include "nn/infer/rest_reference.h"
+#include "nn/infer/sensor_frames.h"
 #include "nn/network.h"
 
 namespace tactel {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "nn/infer/bound.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "nn/infer/layers.h"
-#include "nn/infer/processors.h"
+#include "nn/infer/loaded_network.h"
 
 // Outside of namespace tactel, as in layers.cpp.
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "nn/infer/frame_health.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+#include "nn/infer/sensor_frames.h"
 
 namespace tactel::infer {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "nn/infer/layers.h"
 
-#include "nn/infer/processors.h"
+#include "nn/infer/layers.h"
 
 // Outside of namespace tactel, whose functions the library shows: clang shows what chooses a variant.
 namespace {

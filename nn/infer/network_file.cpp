@@ -14,10 +14,8 @@
 #include <memory>
 
 #include "fem/numbers/value_error.h"
-#include "nn/infer/bound.h"
 #include "nn/infer/loaded_network.h"
 #include "nn/infer/network_graph.h"
-#include "nn/infer/onnx_fields.h"
 #include "nn/infer/protobuf.h"
 
 namespace tactel::infer {

@@ -2,6 +2,7 @@
 #include <tactel/infer.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
@@ -18,7 +19,6 @@
 
 #include "fem/numbers/value_error.h"
 #include "nn/features.h"
-#include "nn/infer/bound.h"
 #include "nn/infer/built_in.h"
 #include "nn/infer/friction_reading.h"
 #include "nn/infer/layers.h"
@@ -39,19 +39,9 @@ InputError::~InputError() = default;
 const char* version() noexcept { return TACTEL_VERSION; }
 
 const char* name(AnswerStatus status) noexcept {
-  switch (status) {
-    case AnswerStatus::ok:
-      return "ok";
-    case AnswerStatus::no_stress:
-      return "no stress";
-    case AnswerStatus::not_finite:
-      return "not finite";
-    case AnswerStatus::overflow:
-      return "overflow";
-    case AnswerStatus::wrong_size:
-      return "wrong size";
-  }
-  return "unknown";
+  constexpr std::array names{"ok", "no stress", "not finite", "overflow", "wrong size"};
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 namespace {

@@ -17,7 +17,6 @@ namespace {
 
 using namespace tactel;
 using ::testing::DoubleNear;
-using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 

@@ -11,7 +11,6 @@
 #include "host/answers/solve.h"
 #include "host/contact/lines/solve_on_rung.h"
 #include "host/networks/network_training.h"
-#include "host/networks/onnx_file.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_simulator.h"

@@ -1,30 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/fuzz/fuzz.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <map>
 
 namespace tactel::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct TemporaryFolder {
-  TemporaryFolder() : path(fs::temp_directory_path() / ("tactel_fuzz." + std::to_string(getpid()))) {
-    fs::create_directories(path);
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    fs::remove_all(path, error);
-  }
-  fs::path path;
-};
 
 using Run = void (*)(Bytes);
 
@@ -40,8 +26,9 @@ Run chosen = nullptr;
 Target::Target(std::string_view name, void (*run)(Bytes)) { targets().emplace(name, run); }
 
 const fs::path& folder() {
-  static const TemporaryFolder folder;
-  return folder.path;
+  static const ScratchFolder own;
+  static const fs::path path = own / "";
+  return path;
 }
 
 fs::path write_file(const std::string& name, Bytes bytes) {
@@ -51,11 +38,6 @@ fs::path write_file(const std::string& name, Bytes bytes) {
   file.close();
   check(static_cast<bool>(file), "the input can be written to the temporary directory");
   return path;
-}
-
-std::string file_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
 void check(bool met, const char* property) {

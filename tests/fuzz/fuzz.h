@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/support/errors.h"
+#include "tests/scratch.h"
 
 namespace tactel::fuzz {
 
@@ -25,8 +26,6 @@ struct Target {
 const std::filesystem::path& folder();
 /// Writes folder()/name with exactly these bytes, and returns its path.
 std::filesystem::path write_file(const std::string& name, Bytes bytes);
-/// The bytes of a file.
-std::string file_bytes(const std::filesystem::path& path);
 
 /// Ends the program where a property does not hold: a finding.
 void check(bool met, const char* property);

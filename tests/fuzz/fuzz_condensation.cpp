@@ -2,8 +2,6 @@
 
 // The file cache of condensations. The input says how a whole file is damaged: where to begin, what to do, and the
 // bytes to write there. The answer must be that of a fresh condensation.
-#include <cstring>
-#include <vector>
 
 #include "fem/mesh/condensation.h"
 #include "tests/fuzz/fuzz.h"
@@ -22,7 +20,7 @@ fem::Sensor small_sensor() {
 struct CacheFile {
   CacheFile() : fresh(fem::condense_cached(small_sensor(), folder())) {
     for (const auto& entry : std::filesystem::directory_iterator(folder())) path = entry.path();
-    content = file_bytes(path);
+    content = text_of(path);
     check(!content.empty(), "a condensation is kept");
   }
   fem::Condensation fresh;
@@ -38,16 +36,9 @@ std::string damaged(std::string content, Bytes input) {
   const std::size_t at = choices.word() % (content.size() + 1);
   std::string bytes;
   while (!choices.empty()) bytes += static_cast<char>(choices.byte());
-  switch (damage) {
-    case overwrite:
-      return content.replace(at, std::min(bytes.size(), content.size() - at), bytes);
-    case insert:
-      return content.insert(at, bytes);
-    case cut_off:
-      return content.substr(0, at);
-    default:
-      return bytes;
-  }
+  if (damage == overwrite) return content.replace(at, std::min(bytes.size(), content.size() - at), bytes);
+  if (damage == insert) return content.insert(at, bytes);
+  return damage == cut_off ? content.substr(0, at) : bytes;
 }
 
 const Target target("condensation", [](Bytes input) {
@@ -57,12 +48,12 @@ const Target target("condensation", [](Bytes input) {
   const fem::Condensation found = fem::condense_cached(small_sensor(), folder());
   // A file with other values and the checksum of those is no damage: the fuzzer finds such files by watching the
   // comparison.
-  if (bytes.size() == file.content.size() && bytes != file.content && file_bytes(file.path) == bytes) return;
+  if (bytes.size() == file.content.size() && bytes != file.content && text_of(file.path) == bytes) return;
   check(found.compliance == file.fresh.compliance && found.base_force == file.fresh.base_force &&
             found.tactel_stress == file.fresh.tactel_stress && found.surface_x == file.fresh.surface_x &&
             found.base_x == file.fresh.base_x && found.tactel_x == file.fresh.tactel_x,
         "a damaged file changes nothing");
-  check(file_bytes(file.path) == file.content, "a damaged file is written anew");
+  check(text_of(file.path) == file.content, "a damaged file is written anew");
 });
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "host/live/csv_source.h"
-#include "hw/csv_format.h"
 #include "hw/decoder.h"
+#include "hw/formats.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tactel::fuzz {

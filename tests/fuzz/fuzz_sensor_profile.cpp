@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Profiles of sensors (TOML), and the decoder and channel map that they describe.
-#include <cmath>
 #include <vector>
 
 #include "host/live/sensor_profile.h"

@@ -3,11 +3,10 @@
 // Set files (HDF5) of any structure. The input says what becomes of a whole set: which attribute or dataset goes, or is
 // replaced by one of another type, rank and extent. HDF5's own library is not what is looked at here; see
 // fuzz_set_file.
-#include <hdf5.h>
-
 #include <array>
 #include <vector>
 
+#include "host/sets/hdf5_handle.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/set_read.h"
 #include "tests/fuzz/small_set.h"
@@ -15,27 +14,13 @@
 namespace tactel::fuzz {
 namespace {
 
-/// An open object of HDF5, closed at the end of its scope.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
+using host::Handle;
 
 const std::string& whole_set() {
   static const std::string bytes = [] {
     const auto path = folder() / "whole.h5";
     host::write_contact_set(path, small_set());
-    return file_bytes(path);
+    return text_of(path);
   }();
   return bytes;
 }
@@ -78,33 +63,18 @@ hid_t array_type() {
 }
 
 Handle chosen_type(Choices& choices) {
-  const auto make = [&]() -> hid_t {
-    switch (choices.below(11)) {
-      case 0:
-        return H5Tcopy(H5T_NATIVE_FLOAT);
-      case 1:
-        return H5Tcopy(H5T_NATIVE_DOUBLE);
-      case 2:
-        return H5Tcopy(H5T_STD_I64BE);
-      case 3:
-        return H5Tcopy(H5T_NATIVE_UINT8);
-      case 4:
-        return text_type(1);
-      case 5:
-        return text_type(20);
-      case 6:
-        return text_type(4000);
-      case 7:
-        return text_type(H5T_VARIABLE);
-      case 8:
-        return compound_type();
-      case 9:
-        return array_type();
-      default:
-        return H5Tcopy(H5T_STD_REF_OBJ);
-    }
-  };
-  return {make(), H5Tclose};
+  constexpr std::array<hid_t (*)(), 11> makers{[] { return H5Tcopy(H5T_NATIVE_FLOAT); },
+                                               [] { return H5Tcopy(H5T_NATIVE_DOUBLE); },
+                                               [] { return H5Tcopy(H5T_STD_I64BE); },
+                                               [] { return H5Tcopy(H5T_NATIVE_UINT8); },
+                                               [] { return text_type(1); },
+                                               [] { return text_type(20); },
+                                               [] { return text_type(4000); },
+                                               [] { return text_type(H5T_VARIABLE); },
+                                               compound_type,
+                                               array_type,
+                                               [] { return H5Tcopy(H5T_STD_REF_OBJ); }};
+  return {makers[choices.below(makers.size())](), H5Tclose};
 }
 
 struct Extent {

@@ -2,8 +2,6 @@
 #pragma once
 #include <bit>
 #include <cstdint>
-#include <cstring>
-#include <string_view>
 #include <vector>
 
 #include "hw/decoder.h"

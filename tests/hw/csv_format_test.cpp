@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames of lines of numbers: values bit for bit, times to the nanosecond, and lines without one.
-#include "hw/csv_format.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 
 #include "hw/decoder.h"
+#include "hw/formats.h"
 
 namespace tactel::hw::testing {
 namespace {

@@ -9,7 +9,6 @@
 #include <array>
 #include <random>
 
-#include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
 #include "tests/hw/byte_vectors.h"

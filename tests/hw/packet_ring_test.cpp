@@ -6,12 +6,11 @@
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <limits>
 #include <thread>
 #include <vector>
 
-#include "hw/ftdi.h"
+#include "hw/usb_source.h"
 
 namespace tactel::hw {
 namespace {

@@ -5,14 +5,12 @@
 #include <sys/resource.h>
 
 #include <bit>
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <vector>
 
-#include "hw/formats.h"
 #include "tests/hw/byte_vectors.h"
 #include "tests/scratch.h"
 

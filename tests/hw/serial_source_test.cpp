@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Serial ports, played by pseudo-terminals.
-#include "hw/serial_source.h"
-
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <stdlib.h>
@@ -15,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "hw/serial_port.h"
 #include "tests/hw/serial_rate.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"

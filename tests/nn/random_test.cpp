@@ -6,7 +6,6 @@
 
 #include "fem/numbers/value_error.h"
 #include "nn/frame_set.h"
-#include "nn/noise_words.h"
 #include "nn/philox.h"
 #include "nn/presentation_order.h"
 #include "nn/weights.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/live/asked_lines.h"
-
 #include <poll.h>
 #include <unistd.h>
 
@@ -8,6 +6,7 @@
 #include <cerrno>
 #include <string_view>
 
+#include "host/commands/live/monitor.h"
 #include "host/support/terminal.h"
 
 namespace tactel::host {

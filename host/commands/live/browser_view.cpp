@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/live/browser_view.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <filesystem>
 #include <set>
 
-#include "host/figures/live_page.h"
+#include "host/commands/live/monitor.h"
+#include "host/figures/page.h"
 
 namespace tactel::host {
 

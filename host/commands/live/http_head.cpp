@@ -5,10 +5,12 @@
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
+#include <utility>
+
+#include "hw/descriptor.h"
 
 namespace tactel::host {
 namespace {
@@ -21,24 +23,15 @@ constexpr const char* policy =
     "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 const char* reason(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 408:
-      return "Request Timeout";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return "Bad Request";
-  }
+  for (const auto& [number, words] : {std::pair{200, "OK"},
+                                      {403, "Forbidden"},
+                                      {404, "Not Found"},
+                                      {405, "Method Not Allowed"},
+                                      {408, "Request Timeout"},
+                                      {431, "Request Header Fields Too Large"},
+                                      {503, "Service Unavailable"}})
+    if (number == status) return words;
+  return "Bad Request";
 }
 
 std::string lower(std::string_view text) {
@@ -67,12 +60,9 @@ bool is_own_address(const std::string& literal) {
   four.sin_family = AF_INET, six.sin6_family = AF_INET6;
   const bool is_four = ::inet_pton(AF_INET, literal.c_str(), &four.sin_addr) == 1;
   if (!is_four && ::inet_pton(AF_INET6, literal.c_str(), &six.sin6_addr) != 1) return false;
-  const int probe = ::socket(is_four ? AF_INET : AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) return false;
-  const bool own = (is_four ? ::bind(probe, reinterpret_cast<const sockaddr*>(&four), sizeof four)
-                            : ::bind(probe, reinterpret_cast<const sockaddr*>(&six), sizeof six)) == 0;
-  ::close(probe);
-  return own;
+  const hw::Descriptor probe(::socket(is_four ? AF_INET : AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return (is_four ? ::bind(probe, reinterpret_cast<const sockaddr*>(&four), sizeof four)
+                  : ::bind(probe, reinterpret_cast<const sockaddr*>(&six), sizeof six)) == 0;
 }
 
 /// Takes a line from the front of a head, without its end.

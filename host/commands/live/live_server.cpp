@@ -88,7 +88,6 @@ struct LiveServer::State {
     ring();
     listening.join();
     for (Client& client : clients) client.close();
-    ::close(at.socket), ::close(wake);
   }
 
   /// Of the thread that sends, which holds the mutex.
@@ -287,7 +286,7 @@ struct LiveServer::State {
   std::deque<std::string> messages;  ///< of the server's thread, and all below: the newest, as they are sent
   std::size_t sent = 0;              ///< messages so far
   bool over = false;                 ///< there will be no more
-  int wake;                          ///< an eventfd: there is something new
+  hw::Descriptor wake;               ///< an eventfd: there is something new
   std::vector<Client> clients;       ///< by age
   Clock::time_point next_accept{};
   std::thread listening;

@@ -9,10 +9,7 @@
 #include <memory>
 
 #include "host/commands/command.h"
-#include "host/commands/live/asked_lines.h"
-#include "host/commands/live/browser_view.h"
-#include "host/commands/live/monitor_request.h"
-#include "host/commands/live/monitor_texts.h"
+#include "host/commands/live/monitor.h"
 #include "host/live/live_monitor.h"
 #include "host/live/live_view.h"
 #include "host/networks/onnx_file.h"
@@ -288,11 +285,10 @@ int run_monitor(MonitorRequest request) {
 }  // namespace
 
 void add_monitor_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<MonitorRequest>();
-  CLI::App* command = app.add_subcommand("monitor", "print the slippage index of a live sensor: one JSON line a frame");
-  command->group("Read a sensor");
-  add_monitor_options(*command, *request);
-  command->callback([request, &action] { action = [request] { return run_monitor(*request); }; });
+  const auto [command, request] =
+      add_command(app, action, "Read a sensor", "monitor",
+                  "print the slippage index of a live sensor: one JSON line a frame", run_monitor);
+  add_monitor_options(command, request);
 }
 
 }  // namespace tactel::host

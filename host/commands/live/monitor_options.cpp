@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/commands/add_option.h"
-#include "host/commands/live/monitor_request.h"
+#include "host/commands/live/monitor.h"
 
 namespace tactel::host {
 

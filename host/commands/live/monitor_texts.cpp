@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/live/monitor_texts.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "host/commands/live/monitor.h"
 
 namespace tactel::host {
 namespace {

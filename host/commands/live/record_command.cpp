@@ -126,20 +126,18 @@ int run_record(const RecordRequest& request) {
 }  // namespace
 
 void add_record_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<RecordRequest>();
-  CLI::App* command =
-      app.add_subcommand("record", "record the raw bytes of a sensor with their arrival times, for replay");
-  command->group("Read a sensor");
-  add_sensor_options(*command, *request);
-  add_option(*command, "--output", request->output, "the recording, for --source replay:FILE", {.type = "FILE"})
+  const auto [command, request] =
+      add_command(app, action, "Read a sensor", "record",
+                  "record the raw bytes of a sensor with their arrival times, for replay", run_record);
+  add_sensor_options(command, request);
+  add_option(command, "--output", request.output, "the recording, for --source replay:FILE", {.type = "FILE"})
       ->required();
-  add_option(*command, "--frames", request->frames, "also write the decoded frames as CSV", {.type = "FILE.csv"});
-  add_option(*command, "--force", request->force, "overwrite --output and --frames where they exist");
-  add_option(*command, "--seconds", request->seconds,
+  add_option(command, "--frames", request.frames, "also write the decoded frames as CSV", {.type = "FILE.csv"});
+  add_option(command, "--force", request.force, "overwrite --output and --frames where they exist");
+  add_option(command, "--seconds", request.seconds,
              "stop after this time, s (default: at the end of the source, or Ctrl-C)")
       ->check(positive_number());
-  add_option(*command, "--quiet", request->quiet, "no summary and no warnings on stderr");
-  command->callback([request, &action] { action = [request] { return run_record(*request); }; });
+  add_option(command, "--quiet", request.quiet, "no summary and no warnings on stderr");
 }
 
 }  // namespace tactel::host

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/live/serve_place.h"
-
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <ifaddrs.h>
@@ -15,7 +13,9 @@
 #include <cstring>
 #include <memory>
 
+#include "host/commands/live/live_server.h"
 #include "host/support/errors.h"
+#include "hw/descriptor.h"
 
 namespace tactel::host {
 namespace {
@@ -85,20 +85,17 @@ std::vector<std::string> reachable(bool six) {
 }
 
 /// Opens, binds and listens; -1 with errno where that fails.
-int listening_socket(const addrinfo& at) {
-  const int file = ::socket(at.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+hw::Descriptor listening_socket(const addrinfo& at) {
+  hw::Descriptor file(::socket(at.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int yes = 1, no = 0;
-  if (file < 0) return -1;
+  if (file < 0) return file;
   // Not SO_REUSEPORT: a port that is taken is one.
   ::setsockopt(file, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   ::setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);  // connections inherit this, and the next
   ::setsockopt(file, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
   if (at.ai_family == AF_INET6) ::setsockopt(file, IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no);
   if (::bind(file, at.ai_addr, at.ai_addrlen) == 0 && ::listen(file, waiting_connections) == 0) return file;
-  const int error = errno;
-  ::close(file);
-  errno = error;
-  return -1;
+  return hw::Descriptor();
 }
 
 }  // namespace

@@ -225,29 +225,26 @@ int run_tare(const TareRequest& request) {
 }  // namespace
 
 void add_tare_command(CLI::App& app, Action& action) {
-  auto request = std::make_shared<TareRequest>();
-  request->seconds = 2;
-  CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest");
-  command->group("Read a sensor");
-  add_sensor_options(*command, *request);
-  add_option(*command, "--output", request->output, "file of offsets and noise, for --calibration",
-             {.type = "FILE.toml"})
+  const auto [command, request] =
+      add_command(app, action, "Read a sensor", "tare", "measure the offsets of a sensor at rest", run_tare);
+  request.seconds = 2;
+  add_sensor_options(command, request);
+  add_option(command, "--output", request.output, "file of offsets and noise, for --calibration", {.type = "FILE.toml"})
       ->required();
-  add_option(*command, "--seconds", request->seconds, "time to listen, s")->check(positive_number());
-  add_option(*command, "--hold", request->holds,
+  add_option(command, "--seconds", request.seconds, "time to listen, s")->check(positive_number());
+  add_option(command, "--hold", request.holds,
              "recording of grips that hold, moved as in use, from which the alarm of monitor --rest learns how the "
              "hand trembles; 1.2 times its largest \"moved\" is the threshold of monitor --signal moved; of tactel "
              "record, or csv:FILE; repeatable",
              {.type = "RECORDING"});
-  add_option(*command, "--slide", request->slides,
+  add_option(command, "--slide", request.slides,
              "recording in which the held object slides: lines of monitor --rest say how near they are to it, "
              "\"index\"; repeatable",
              {.type = "RECORDING"});
-  add_option(*command, "--network", request->network,
+  add_option(command, "--network", request.network,
              "with --hold: 1.2 times the largest answer of this network of slid is its threshold, too",
              {.type = "FILE.onnx"});
-  add_option(*command, "--force", request->force, "write the file even if the sensor moved");
-  command->callback([request, &action] { action = [request] { return run_tare(*request); }; });
+  add_option(command, "--force", request.force, "write the file even if the sensor moved");
 }
 
 }  // namespace tactel::host

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 
 #include "fem/gap/contact_laws.h"
 #include "fem/gap/gap_reference.h"

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "fem/gap/contact_solution.h"
 #include "fem/scenes/scene.h"
 #include "host/device/executor.h"
+#include "host/figures/page.h"
 
 namespace tactel::host {
 
@@ -54,5 +56,9 @@ std::vector<SensitivityRow> sensitivity_study(Executor& executor, const fem::Sce
 
 /// Returns the largest relative difference of the ten numbers from those of the paper.
 double worst_difference(const TableOne& table);
+
+/// Solves the paper's direct problem and adds it to the report: Table I, Figures 3 to 5, and the effect on Table I
+/// of the parameters that the paper leaves open. Returns table1.json: [{"u_x" mm, "sigma_y" %, "tau_xy" %}].
+nlohmann::ordered_json report_direct_problem(Executor& executor, Page& page);
 
 }  // namespace tactel::host

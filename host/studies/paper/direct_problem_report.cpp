@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studies/paper/direct_problem_report.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "host/figures/field_figure.h"
+#include "host/figures/grid_field.h"
 #include "host/scenes/scene_file.h"
 #include "host/studies/paper/direct_problem.h"
 

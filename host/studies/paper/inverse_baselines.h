@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 #include <vector>
 
 #include "host/figures/page.h"

@@ -7,7 +7,7 @@
 
 #include "host/networks/training_checkpoint.h"
 #include "host/scenes/paper_sets.h"
-#include "host/sets/simulate_family.h"
+#include "host/sets/set_simulator.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <array>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,5 +92,16 @@ struct TableTwoRow {
 };
 /// Returns row `number`, 1 ... 6.
 const TableTwoRow& paper_table_two(int number);
+
+/// Returns table2.json: for each network and noise the medians over seeds of max, mean and standard deviation,
+/// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
+nlohmann::ordered_json table_two_json(const InverseProblem& problem);
+
+struct InverseBaselines;
+
+/// Adds to the report Table II as a distribution, with the estimators without a network; learning curves, and errors
+/// by class and by nodes in contact. Adds the effect of noise.
+void report_inverse_problem(Page& page, const InverseProblem& problem, const InverseChoice& choice,
+                            const InverseBaselines& baselines);
 
 }  // namespace tactel::host

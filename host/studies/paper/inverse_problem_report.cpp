@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studies/paper/inverse_problem_report.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "host/figures/error_panels.h"
+#include "host/studies/paper/inverse_baselines.h"
+#include "host/studies/paper/inverse_problem.h"
 
 namespace tactel::host {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studies/paper/real_sensor_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "host/studies/paper/real_sensor_study.h"
 
 namespace tactel::host {
 namespace {

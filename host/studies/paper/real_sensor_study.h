@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "host/networks/network_training.h"
@@ -69,5 +68,12 @@ std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealS
 /// Returns the errors of an estimator with a perfect force angle but no knowledge of mu. For each angle it
 /// answers the middle of the possible slippage indices. [contacts]
 std::vector<double> errors_by_angle_alone(const std::vector<RealContact>& contacts);
+
+/// Returns section6.json: the choice, and for each case the errors on the learned contacts, on the 11 recalled
+/// and on all others, as in table2.json; on the last also by indenter.
+nlohmann::ordered_json real_sensor_json(const RealSensorStudy& study);
+
+/// Adds to the report a record and its sample, and errors over draws and seeds, and by indenter.
+void report_real_sensor(Page& page, const RealSensorStudy& study);
 
 }  // namespace tactel::host

@@ -4,30 +4,19 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 
 namespace tactel::host {
 namespace {
 
 fem::Shape shape(std::size_t kind, SceneDraw& draw) {
-  switch (kind) {
-    case 0:
-      return fem::Flat{draw.uniform(1, 4)};
-    case 1:
-      return fem::Wedge{draw.uniform(140, 176)};
-    case 2:
-      return fem::Parabola{draw.log_uniform(2, 100)};
-    case 3:
-      return fem::Cylinder{draw.log_uniform(3, 100)};
-    case 4:
-      return fem::Exponential{0.1, draw.log_uniform(0.25, 2)};
-    case 5:
-      return fem::Trapezoid{draw.uniform(0.5, 4), draw.log_uniform(0.1, 1)};
-    case 6:
-      return fem::RoundedFlat{draw.uniform(0.5, 4), draw.log_uniform(3, 30)};
-    default:
-      return fem::Taylor{{1 + static_cast<int>(draw.uniform(0, 2)), 3, 5}, 10.0, draw.log_uniform(0.5, 4)};
-  }
+  if (kind == 0) return fem::Flat{draw.uniform(1, 4)};
+  if (kind == 1) return fem::Wedge{draw.uniform(140, 176)};
+  if (kind == 2) return fem::Parabola{draw.log_uniform(2, 100)};
+  if (kind == 3) return fem::Cylinder{draw.log_uniform(3, 100)};
+  if (kind == 4) return fem::Exponential{0.1, draw.log_uniform(0.25, 2)};
+  if (kind == 5) return fem::Trapezoid{draw.uniform(0.5, 4), draw.log_uniform(0.1, 1)};
+  if (kind == 6) return fem::RoundedFlat{draw.uniform(0.5, 4), draw.log_uniform(3, 30)};
+  return fem::Taylor{{1 + static_cast<int>(draw.uniform(0, 2)), 3, 5}, 10.0, draw.log_uniform(0.5, 4)};
 }
 
 /// Eight positions: straight on, or (one scene in four) five there and three back. 4 mu depth is about where a parabola

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <limits>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include "host/contact/pads/pad_rung.h"
 #include "host/contact/stream_of.h"
 #include "host/device/executor.h"
+#include "host/figures/plot.h"
 
 namespace tactel::host {
 
@@ -80,5 +82,15 @@ double seconds_of(const StreamOf<Contacts>& stream, const std::vector<typename C
   }
   return best;
 }
+
+nlohmann::ordered_json to_json(const Tradeoff& tradeoff);
+
+/// Returns a figure of the error in S against speed, and the Pareto front.
+Figure tradeoff_figure(const Tradeoff& tradeoff);
+
+std::string tradeoff_page(const Tradeoff& tradeoff);
+
+/// Returns the table for a terminal.
+std::string tradeoff_table(const Tradeoff& tradeoff);
 
 }  // namespace tactel::host

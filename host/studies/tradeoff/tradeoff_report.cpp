@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studies/tradeoff/tradeoff_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "host/figures/page.h"
+#include "host/studies/tradeoff/tradeoff.h"
 
 namespace tactel::host {
 namespace {

@@ -13,8 +13,6 @@
 namespace tactel::host {
 namespace {
 
-using testing::DoubleEq;
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr double pi = std::numbers::pi;

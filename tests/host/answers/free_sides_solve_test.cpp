@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/answers/answer_json.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 #include "host/contact/pads/pad_stream.h"

@@ -9,7 +9,7 @@
 #include "fem/gap/contact_laws.h"
 #include "fem/gap/gap_reference.h"
 #include "fem/gap/solution_difference.h"
-#include "host/answers/answer_json.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 #include "host/contact/lines/gap_sweep.h"

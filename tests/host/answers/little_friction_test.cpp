@@ -3,8 +3,6 @@
 // Lines with little friction in fp32, beside fp64: what sweeps leave is small beside mu P.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "host/answers/solve.h"
 #include "tests/host/device/test_device.h"
 

@@ -11,8 +11,7 @@
 
 #include "fem/gap/gap_reference.h"
 #include "fem/gap/load_stepping.h"
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
 #include "host/scenes/scene_file.h"
 #include "test_paths.h"

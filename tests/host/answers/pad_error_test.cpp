@@ -13,8 +13,7 @@
 
 #include "fem/numbers/angles.h"
 #include "fem/pad/pad_reference.h"
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 

@@ -10,9 +10,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "host/answers/answer_json.h"
-#include "host/answers/answer_page.h"
-#include "host/answers/answer_table.h"
+#include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 #include "host/contact/limits.h"

@@ -9,8 +9,6 @@
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 #include "host/contact/lines/contact_fallback.h"
-#include "host/contact/lines/patch_contact.h"
-#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Exit codes of exceptions, before and after Ctrl-C; no command is run, no device is needed.
-#include "host/commands/guarded.h"
-
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -11,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "host/commands/program.h"
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/kernel_line.h"
-
 #include <gmock/gmock.h>
 #include <pty.h>
 #include <unistd.h>
@@ -10,6 +8,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "host/commands/program.h"
 
 namespace tactel::host {
 namespace {

@@ -4,7 +4,6 @@
 // warning of stresses in another unit.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <cstdlib>
 
 #include "host/sets/contact_set.h"

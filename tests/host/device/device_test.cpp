@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"

@@ -2,14 +2,13 @@
 
 // A contact on a pad as pages, plots and ParaView show it. How pages draw it is tested in a browser (check_page.py),
 // the VTU file by an XML reader (check_vtu.py).
-#include "host/figures/pad_view.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "host/figures/pad_figure.h"
+#include "host/figures/contact_figure.h"
+#include "host/figures/contact_view.h"
 #include "host/figures/page.h"
 
 namespace tactel::host {

@@ -14,7 +14,6 @@
 #include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"
 #include "host/figures/error_panels.h"
-#include "host/figures/field_figure.h"
 #include "host/figures/grid_field.h"
 
 namespace tactel::host {

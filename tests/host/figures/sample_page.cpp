@@ -8,8 +8,8 @@
 #include "fem/gap/gap_reference.h"
 #include "fem/pad/pad_solver.h"
 #include "host/figures/contact_figure.h"
-#include "host/figures/field_figure.h"
-#include "host/figures/pad_view.h"
+#include "host/figures/contact_view.h"
+#include "host/figures/grid_field.h"
 #include "host/figures/page.h"
 #include "host/figures/vtu.h"
 

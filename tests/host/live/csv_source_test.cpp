@@ -17,7 +17,7 @@
 
 #include "host/live/frame_reader.h"
 #include "host/live/open_source.h"
-#include "hw/csv_format.h"
+#include "hw/formats.h"
 #include "tests/hw/serial_rate.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"

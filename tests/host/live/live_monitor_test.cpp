@@ -9,7 +9,7 @@
 #include <random>
 
 #include "host/support/errors.h"
-#include "hw/csv_format.h"
+#include "hw/formats.h"
 #include "tests/host/live/shear_network.h"
 #include "tests/host/live/simulated_frames.h"
 #include "tests/thrown_message.h"

@@ -12,7 +12,6 @@
 namespace tactel::host {
 namespace {
 
-using ::testing::HasSubstr;
 using Frames = std::vector<std::vector<float>>;
 constexpr std::size_t n = 4, tactels = n * n;  // examples/pad.toml
 constexpr double touch = 1e-3;                 // MPa, 0.02 of the largest stress

@@ -117,10 +117,8 @@ inline void each_change(google::protobuf::Message& message, const std::string& p
           access.SetEnumValue(&message, field, access.GetEnumValue(message, field) == 1 ? 3 : 1);
           return;
         case FieldDescriptor::CPPTYPE_MESSAGE:
-          if (add)
-            access.AddMessage(&message, field);
-          else if (!access.HasField(message, field))
-            access.MutableMessage(&message, field);
+          if (add) access.AddMessage(&message, field);
+          if (!add && !access.HasField(message, field)) access.MutableMessage(&message, field);
           return;
         default:
           throw std::logic_error("a field of another type");

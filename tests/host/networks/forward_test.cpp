@@ -22,7 +22,6 @@ using nn::FrameStatus;
 using nn::ScalingKind;
 using tactel::testing::bumps;
 using tactel::testing::executor;
-using tactel::testing::largest_difference;
 
 template <class Real>
 std::vector<nn::Weights<Real>> some_networks(const nn::Topology& topology, int count) {

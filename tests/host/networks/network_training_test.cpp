@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <fstream>
 #include <functional>
 #include <memory>

@@ -4,11 +4,8 @@
 #include <gmock/gmock.h>
 #include <onnx/checker.h>
 
-#include <cmath>
-
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
-#include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/crafted_network.h"
 #include "tests/host/networks/onnx_evaluator.h"

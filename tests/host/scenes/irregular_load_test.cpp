@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "host/scenes/scene_source.h"
-#include "host/support/errors.h"
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 

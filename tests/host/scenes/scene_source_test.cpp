@@ -9,8 +9,6 @@
 #include <cmath>
 #include <set>
 
-#include "fem/scenes/measured_profile.h"
-#include "host/scenes/end_tactels.h"
 #include "host/support/errors.h"
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Scenes as files, and back.
-#include "host/scenes/scene_toml.h"
 
 #include <gmock/gmock.h>
 

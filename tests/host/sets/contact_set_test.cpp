@@ -13,7 +13,7 @@
 
 #include "host/scenes/paper_sets.h"
 #include "host/sets/check_set.h"
-#include "host/sets/simulate_family.h"
+#include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 

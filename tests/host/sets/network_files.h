@@ -6,7 +6,7 @@
 
 #include "host/scenes/paper_sets.h"
 #include "host/sets/contact_set.h"
-#include "host/sets/simulate_family.h"
+#include "host/sets/set_simulator.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 

@@ -10,7 +10,6 @@
 
 #include "host/figures/page.h"
 #include "host/studies/paper/inverse_baselines.h"
-#include "host/studies/paper/inverse_problem_report.h"
 #include "host/support/errors.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"

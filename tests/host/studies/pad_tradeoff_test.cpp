@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/studies/tradeoff/tradeoff_report.h"
+#include "host/studies/tradeoff/tradeoff.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {

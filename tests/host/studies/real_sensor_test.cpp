@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "host/studies/paper/real_sensor_report.h"
+#include "host/studies/paper/real_sensor_study.h"
 #include "nn/charge_amplifier.h"
 #include "tests/host/networks/network_cases.h"
 

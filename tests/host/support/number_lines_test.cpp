@@ -12,7 +12,6 @@
 namespace tactel::host {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Rows = std::vector<std::vector<double>>;
 

@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "host/scenes/paper_sets.h"
 #include "host/support/errors.h"
 #include "host/training/streams.h"
 #include "host/training/training.h"

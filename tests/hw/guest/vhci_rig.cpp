@@ -13,7 +13,6 @@
 #include <chrono>
 #include <fstream>
 #include <stdexcept>
-#include <string>
 #include <thread>
 
 #include "tests/hw/guest/rig.h"
@@ -33,16 +32,9 @@ bool read_all(int socket, void* to, std::size_t length) {
 }
 
 int status_of(Answer answer) {
-  switch (answer) {
-    case Answer::stall:
-      return -EPIPE;
-    case Answer::babble:
-      return -EOVERFLOW;
-    case Answer::protocol_error:
-      return -EPROTO;
-    default:
-      return 0;
-  }
+  if (answer == Answer::stall) return -EPIPE;
+  if (answer == Answer::babble) return -EOVERFLOW;
+  return answer == Answer::protocol_error ? -EPROTO : 0;
 }
 
 Setup setup_of(const Head& head) {

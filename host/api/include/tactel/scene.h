@@ -4,7 +4,6 @@
 #include <tactel/export.h>
 #include <tactel/line_scene.h>
 
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>

@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "host/answers/solve.h"
+#include "host/figures/page.h"
+#include "host/scenes/scene_json.h"
 
 namespace tactel::host {
+
+/// Returns the whole answer, with the keys and units of docs/answers.md. Numbers read back to the same bits.
+nlohmann::ordered_json to_json(const SolveOutcome& outcome);
+nlohmann::ordered_json to_json(const PadOutcome& outcome);
+
+/// Returns the page of a solved contact: what became of it, the contact over its load steps with the step `shown`
+/// first, and a table of the steps.
+Page answer_page(const SolveOutcome& outcome, std::size_t shown);
+Page answer_page(const PadOutcome& outcome, std::size_t shown);
 
 /// Returns the answer as a table: scene, model and solver, then a line per load step, then what to expect of it.
 std::string answer_table(const SolveOutcome& outcome);

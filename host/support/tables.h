@@ -2,11 +2,29 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace tactel::host {
+
+// Tables: tuples of entries, such as options, or with a `value` each, such as a reference to a member.
+
+/// Calls visit(entry) for each of a table.
+template <class Table, class Visit>
+void each(Table&& table, const Visit& visit) {
+  std::apply([&](auto&&... all) { (visit(all), ...); }, std::forward<Table>(table));
+}
+
+/// Calls visit(to, from) for the values of the entries of two tables of one size.
+template <class... To, class... From, class Visit>
+void each_pair(const std::tuple<To...>& to, const std::tuple<From...>& from, const Visit& visit) {
+  static_assert(sizeof...(To) == sizeof...(From));
+  [&]<std::size_t... i>(std::index_sequence<i...>) { (visit(std::get<i>(to).value, std::get<i>(from).value), ...); }
+  (std::index_sequence_for<To...>());
+}
 
 /// What an option takes, beside what its type says.
 struct Taken {
@@ -38,17 +56,11 @@ struct Option {
   }
 };
 
-/// Calls use(option) for every option of a table, a tuple of them.
-template <class Table, class Use>
-constexpr void each_option(const Table& table, const Use& use) {
-  std::apply([&](const auto&... options) { (use(options), ...); }, table);
-}
-
 /// Returns the flag of the option with this member.
 template <class Table, class Owner, class M>
 std::string flag_of(const Table& table, M Owner::*member) {
   std::string flag;
-  each_option(table, [&]<class O, class V>(const Option<O, V>& option) {
+  each(table, [&]<class O, class V>(const Option<O, V>& option) {
     if constexpr (std::is_same_v<V O::*, M Owner::*>)
       if (option.member == member) flag = option.flag();
   });
