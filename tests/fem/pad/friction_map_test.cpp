@@ -24,7 +24,7 @@ PadScene bowl() {
   scene.sensor = {.tactels = {2, 2}, .pitch = {1, 1}, .thickness = 4, .young = 1, .poisson = 0.48};
   scene.indenter.shape = Paraboloid{{12, 12}};
   scene.friction = 0.6;
-  scene.load = {.indentation = {0.5}, .indentation_steps = 6};
+  scene.load.indentation = {0.5}, scene.load.indentation_steps = 6;
   for (int k = 1; k <= 12; ++k) scene.load.drags.push_back({0.06 * k, 0, 0});
   return scene;
 }
@@ -101,7 +101,7 @@ TEST(FrictionMap, EachCellSlidesAtItsOwn) {
   for (int i = 0; i < grid.count(); ++i) {
     const double n = step.normal_force[i], t = step.tangential_force.row(i).norm();
     EXPECT_NEAR(t, mu[i] * n, 1e-12) << i;  // all slide
-    if (mu[i] == 0) EXPECT_EQ(t, 0) << i;
+    EXPECT_TRUE(mu[i] > 0 || t == 0) << i;
     slippery += mu[i] == 0 && n > 0;
     bears += mu[i] * n;
     EXPECT_NE(step.status[i], GapStatus::stick) << i;
