@@ -245,6 +245,7 @@ template bool TomlTable::read(const std::string&, std::vector<double>&, const st
 template bool TomlTable::read(const std::string&, std::vector<int>&, const std::string&);
 template bool TomlTable::read(const std::string&, std::array<double, 2>&, const std::string&);
 template bool TomlTable::read(const std::string&, std::vector<std::array<double, 2>>&, const std::string&);
+template bool TomlTable::read(const std::string&, std::vector<std::vector<double>>&, const std::string&);
 
 bool TomlTable::read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what) {
   const toml::node* node = find(key);
