@@ -5,6 +5,7 @@
 
 #include "fem/mesh/block.h"
 #include "fem/mesh/clamped_block.h"
+#include "fem/numbers/value_error.h"
 
 namespace tactel::fem {
 namespace {
@@ -48,6 +49,9 @@ double largest_principal_strain(const Eigen::Vector4d& s, double young, double n
 }
 
 StressField stress_field(const Sensor& sensor, const ContactStep& step) {
+  if (!sensor.layers.empty())
+    throw ValueError("sensor.layers", std::to_string(sensor.layers.size()) + " layers",
+                     "left out where strains are asked for: those at interfaces have two values");
   return std::move(stress_fields(sensor, surface_load(step)).front());
 }
 

@@ -53,8 +53,7 @@ Eigen::VectorXd graded_columns(const Sensor& sensor, const Eigen::VectorXd& node
 
 Condensation end_condensation(const LayerModel& model, const Eigen::VectorXd& nodes) {
   const Eigen::VectorXd x = graded_columns(model.sensor, nodes);
-  Sensor sensor = model.sensor;
-  sensor.young = 1, sensor.poisson = std::min(sensor.poisson, most_poisson_of_block);
+  Sensor sensor = with_unit_young(model.sensor, most_poisson_of_block);
   sensor.columns = static_cast<int>(x.size()), sensor.rows = 33, sensor.grading = 64;
   sensor.element = Element::bbar;
   const ClampedBlock block(graded_mesh(sensor, x), sensor);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <span>
 #include <vector>
 
 #include "fem/layer/layer_transforms.h"
@@ -23,6 +24,8 @@ namespace tactel::fem {
 //
 //     sigma_y by f_y   (1/pi) int_0^inf sigma_by_y cos(a x) da           tau_xy by f_x with tau_by_x      (even)
 //     tau_xy by f_y   -(1/pi) int_0^inf tau_by_y sin(a x) da             sigma_y by f_x with sigma_by_x   (odd)
+//
+// Layers upon layers have stack_transforms, and h is their sum, nu and E = 1 MPa are those of the uppermost.
 
 /// One number for each of the smooth parts.
 struct SmoothParts {
@@ -40,11 +43,15 @@ struct LayerKernelValues {
   BaseStress base, base_integral, base_slope;
 };
 
-/// The kernels of one Poisson's ratio, by Gauss quadrature over wavenumbers.
+/// The kernels of one Poisson's ratio, or of layers upon layers, by Gauss quadrature over wavenumbers.
 class LayerKernels {
  public:
   /// 0 <= poisson <= 1/2.
   explicit LayerKernels(double poisson);
+
+  /// Of layers from the base up, for x from a half to the whole of `farthest`, in units of h, or from 0 where that is
+  /// the uppermost layer. Waves beyond 100 / x leave what is smooth there as it is: they fade out.
+  LayerKernels(std::span<const RubberLayer> layers, double farthest);
 
   /// Returns the kernels at x >= 0, in units of h. They hold to some 1e-11 for x up to 100.
   LayerKernelValues at(double x) const;
@@ -62,8 +69,11 @@ class LayerKernels {
     BaseStress base;
   };
 
+  void add(const LayerTransforms& t, double a, double weight);
+
   double poisson_, compressible_;  ///< nu, 1 - 2 nu
   std::vector<WaveNumber> wave_;
+  LayerKernelValues faded_{};  ///< of waves that fade out: the mean of their integrals
 };
 
 /// Factors of the kernels above.

@@ -11,17 +11,20 @@
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/processor.h"
 #include "fem/numbers/value_error.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 
 void require_sensor_of(const LayerModel& model, const Sensor& sensor) {
   const Sensor& own = model.sensor;
-  if (sensor.length != own.length || sensor.thickness != own.thickness || sensor.poisson != own.poisson ||
+  if (sensor.length != own.length || sensor.thickness != own.thickness || rubber(sensor) != rubber(own) ||
       sensor.tactels != own.tactels || sensor.span() != own.span() || sensor.tactel_width != own.tactel_width)
     throw std::invalid_argument("LayerModel: the scene has another sensor; make a model of its own");
 }
 
 namespace {
+
+constexpr double longest_shear = 2;  ///< h: over 22 times as much a table goes, over 12 h changes of a side
 
 void check(const Sensor& sensor) {
   validate(sensor);
@@ -29,13 +32,17 @@ void check(const Sensor& sensor) {
     throw ValueError("sensor.length", number_text(sensor.length),
                      "at most " + number_text(longest_sensor) +
                          " times sensor.thickness where contact is solved on patches; use a mesh instead");
+  if (shear_length(sensor.layers) > longest_shear && !(sensor.length <= longest_side_block * sensor.thickness))
+    throw ValueError("sensor.length", number_text(sensor.length),
+                     "at most " + number_text(longest_side_block) +
+                         " times sensor.thickness where layers so stiff carry shear to both ends; or use a mesh");
 }
 
 }  // namespace
 
 LayerModel endless_layer(const Sensor& sensor) {
   check(sensor);
-  const LayerTable table(sensor.poisson);
+  const LayerTable table(rubber(sensor));
   return {sensor, table, FreeSides(), BaseStressTable(sensor, table)};
 }
 
@@ -47,7 +54,7 @@ std::string key_text(const Sensor& s) {
   return "tactel layer\nbuild " TACTEL_LAYER_FINGERPRINT "\nprocessor " + processor_text() + "\nlength " +
          number_text(s.length) + "\nthickness " + number_text(s.thickness) + "\npoisson " + number_text(s.poisson) +
          "\ntactels " + std::to_string(s.tactels) + "\nspan " + number_text(s.span()) + "\nwidth " +
-         number_text(s.tactel_width) + "\n";
+         number_text(s.tactel_width) + "\n" + layers_text(s);
 }
 
 /// The numbers of a model, as they stand in a file.
@@ -64,13 +71,15 @@ struct ModelNumbers {
 };
 
 std::optional<LayerModel> read_model(const Sensor& sensor, const CacheFile& file) {
+  const Rubber of = rubber(sensor);
+  const double top = of.layers.empty() ? 0 : of.layers.back().thickness;
   ModelNumbers numbers{
-      LayerTable::Coefficients(LayerTable::cells_over(LayerTable::default_range), 4 * LayerTable::functions),
+      LayerTable::Coefficients(LayerTable::cells_over(LayerTable::default_range, top), 4 * LayerTable::functions),
       FreeSides::Rows(FreeSides::places(side_block(sensor), sensor.length), 2 * FreeSides::rank),
       FreeSides::Modes(FreeSides::rank),
       BaseStressTable::Rows(BaseStressTable::places(sensor), BaseStressTable::quantities * sensor.tactels)};
   if (!read_arrays(file, numbers.arrays())) return std::nullopt;
-  return LayerModel{sensor, LayerTable(sensor.poisson, std::move(numbers.table)),
+  return LayerModel{sensor, LayerTable(sensor.poisson, std::move(numbers.table), top),
                     FreeSides(sensor.length, std::move(numbers.sides), std::move(numbers.sign)),
                     BaseStressTable(sensor, std::move(numbers.base))};
 }

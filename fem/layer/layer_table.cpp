@@ -31,22 +31,41 @@ double log_integral(double from, double to) { return to * std::log(to) - to - (f
 
 }  // namespace
 
-Eigen::Index LayerTable::cells_over(double range) {
-  return static_cast<Eigen::Index>(std::ceil(range * cells_a_thickness));
+Eigen::Index LayerTable::cells_over(double range, double top) {
+  return static_cast<Eigen::Index>(
+      std::ceil(top > 0 ? cells_a_top * std::asinh(range / top) : range * cells_a_thickness));
 }
 
-LayerTable::LayerTable(double poisson, Coefficients coefficients)
-    : poisson_(poisson), coefficients_(std::move(coefficients)) {}
+double LayerTable::end(Eigen::Index cell) const {
+  const auto number = static_cast<double>(cell);
+  return top_ > 0 ? top_ * std::sinh(number / cells_a_top) : number / cells_a_thickness;
+}
 
-LayerTable::LayerTable(double poisson, double range) : poisson_(poisson) {
-  const LayerKernels kernels(poisson);
-  const Eigen::Index cells = cells_over(range);
-  coefficients_.resize(cells, 4 * functions);
-  LayerKernelValues left = kernels.at(0);
-  for (Eigen::Index cell = 0; cell < cells; ++cell) {
-    const LayerKernelValues right = kernels.at(static_cast<double>(cell + 1) / cells_a_thickness);
+LayerTable::LayerTable(double poisson, Coefficients coefficients, double top)
+    : poisson_(poisson), top_(top), coefficients_(std::move(coefficients)) {}
+
+LayerTable::LayerTable(double poisson, double range) : LayerTable(Rubber{poisson}, range) {}
+
+LayerTable::LayerTable(const Rubber& rubber, double range)
+    : poisson_(rubber.poisson), top_(rubber.layers.empty() ? 0 : rubber.layers.back().thickness) {
+  coefficients_.resize(cells_over(range, top_), 4 * functions);
+  double farthest = top_;
+  LayerKernels kernels = top_ > 0 ? LayerKernels(rubber.layers, farthest) : LayerKernels(poisson_);
+  add_cells([&](double x) {
+    while (top_ > 0 && x > farthest) kernels = LayerKernels(rubber.layers, farthest *= 2);
+    return kernels.at(x);
+  });
+}
+
+/// at(x): the kernels at ends of cells, left to right.
+template <class At>
+void LayerTable::add_cells(const At& at) {
+  LayerKernelValues left = at(0);
+  for (Eigen::Index cell = 0; cell < cells(); ++cell) {
+    const LayerKernelValues right = at(end(cell + 1));
+    const double per = top_ > 0 ? 1 / (end(cell + 1) - end(cell)) : cells_a_thickness;
     const Row from = values(left), rise = values(right) - from;
-    const Row slope = slopes(left) / cells_a_thickness, end_slope = slopes(right) / cells_a_thickness;
+    const Row slope = slopes(left) / per, end_slope = slopes(right) / per;
     const Row c2 = 3 * rise - 2 * slope - end_slope, c3 = slope + end_slope - 2 * rise;
     for (int f = 0; f < functions; ++f) coefficients_.row(cell).segment<4>(4 * f) << from[f], slope[f], c2[f], c3[f];
     left = right;
@@ -63,9 +82,11 @@ LayerTable LayerTable::blend(double poisson, std::span<const LayerTable* const> 
 }
 
 double LayerTable::value(Function function, double x) const {
-  const double place = std::min(x * cells_a_thickness, static_cast<double>(cells()));
+  const double place =
+      std::min(top_ > 0 ? cells_a_top * std::asinh(x / top_) : x * cells_a_thickness, static_cast<double>(cells()));
   const Eigen::Index cell = std::min(static_cast<Eigen::Index>(place), cells() - 1);
-  const double q = place - static_cast<double>(cell);
+  const double q =
+      top_ > 0 ? (std::min(x, range()) - end(cell)) / (end(cell + 1) - end(cell)) : place - static_cast<double>(cell);
   const double* c = &coefficients_(cell, 4 * function);
   return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
 }

@@ -4,15 +4,17 @@
 #include <span>
 
 #include "fem/layer/layer_kernels.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 
-/// The kernels of one Poisson's ratio as piecewise cubics over x / h, for E = 1 MPa. Hermite interpolation of
-/// exact values and slopes: an integral is off by some 1e-8, a difference of two integrals over their distance by
-/// some 1e-6.
+/// The kernels of one Poisson's ratio, or of layers upon layers, as piecewise cubics over x / h, for E = 1 MPa. Hermite
+/// interpolation of exact values and slopes: an integral is off by some 1e-8, a difference of two integrals over their
+/// distance by some 1e-6.
 class LayerTable {
  public:
   static constexpr int cells_a_thickness = 24;  ///< cells of width h / 24
+  static constexpr int cells_a_top = 80;        ///< of layers: at x = 0 of their uppermost, farther off of x
   static constexpr double default_range = 44;   ///< h
 
   /// Functions of the table. Those of an odd kernel are even, and the other way round; the table holds x >= 0.
@@ -31,23 +33,27 @@ class LayerTable {
     functions
   };
 
-  /// [cells, 4 functions]: with q = 24 x / h - cell in [0, 1], a function is c0 + q (c1 + q (c2 + q c3)); its
-  /// four coefficients stand side by side.
+  /// [cells, 4 functions]: with q in [0, 1] from the left end of a cell, a function is c0 + q (c1 + q (c2 + q c3));
+  /// its four coefficients stand side by side.
   using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// Returns the cells of a table of this range, in units of h.
-  static Eigen::Index cells_over(double range);
+  /// Returns the cells of a table of this range, in units of h, where the uppermost of layers is `top`; 0: one layer.
+  static Eigen::Index cells_over(double range, double top = 0);
 
   /// 0 <= poisson <= 1/2; `range` in units of h.
   explicit LayerTable(double poisson, double range = default_range);
 
+  /// Of layers or of one.
+  explicit LayerTable(const Rubber& rubber, double range = default_range);
+
   /// Of coefficients as coefficients() returned them.
-  LayerTable(double poisson, Coefficients coefficients);
+  LayerTable(double poisson, Coefficients coefficients, double top = 0);
 
   /// Returns sum of weights[k] tables[k], all of one range: the table of `poisson` between theirs.
   static LayerTable blend(double poisson, std::span<const LayerTable* const> tables, std::span<const double> weights);
 
   double poisson() const { return poisson_; }
+  double top() const { return top_; }  ///< h, the uppermost of layers; 0: one layer
   Eigen::Index cells() const { return coefficients_.rows(); }
 
   const Coefficients& coefficients() const { return coefficients_; }
@@ -63,9 +69,12 @@ class LayerTable {
  private:
   LayerTable() = default;
   double value(Function function, double x) const;
-  double range() const { return static_cast<double>(cells()) / cells_a_thickness; }
+  double end(Eigen::Index cell) const;  ///< left end, in units of h
+  double range() const { return end(cells()); }
+  template <class At>
+  void add_cells(const At& at);
 
-  double poisson_ = 0;
+  double poisson_ = 0, top_ = 0;
   Coefficients coefficients_;
 };
 

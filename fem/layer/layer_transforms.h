@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <tactel/pad_scene.h>
+#include <tactel/rubber_layer.h>
 
 #include <span>
 

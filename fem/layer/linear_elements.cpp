@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/scenes/rubber.h"
+
 namespace tactel::fem {
 namespace {
 
@@ -41,12 +43,13 @@ Parts parts_of(const UnequalElements& elements, double thickness) {
 }  // namespace
 
 bool needs_linear_pressure(const Sensor& sensor, double width) {
-  return sensor.poisson > hardly_compressible && width > widest_constant_element * sensor.thickness;
+  const double thickness = soft_thickness(sensor.layers) * sensor.thickness;
+  return largest_poisson(sensor) > hardly_compressible && width > widest_constant_element * thickness;
 }
 
 Condensation linear_condensation(const LayerModel& model, const UnequalElements& elements) {
   const Eigen::Index n = elements.middle.size();
-  const Parts parts = parts_of(elements, model.sensor.thickness);
+  const Parts parts = parts_of(elements, soft_thickness(model.sensor.layers) * model.sensor.thickness);
   const Condensation strips = elements_condensation(model, parts.strips);
   Eigen::MatrixXd force = Eigen::MatrixXd::Zero(strips.compliance.rows(), 2 * n);
   for (Eigen::Index k = 0; k < n; ++k)

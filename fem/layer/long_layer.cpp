@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/long_layer.h"
 
+#include <algorithm>
 #include <complex>
 #include <numbers>
 #include <stdexcept>
 
 #include "fem/mesh/elements.h"
 #include "fem/mesh/mesh.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// Answers fall like e^(-0.75 x / h): to rounding within this many thicknesses.
-constexpr double reach = 30;
+/// Answers fall like e^(-0.75 x / h), or as far as layers carry shear: to rounding within this many lengths.
+constexpr double reach = 30, lengths = 22.5;
 
 /// Stiffness between the unknowns of one column and of the next, [2 rows, 2 rows]: K(theta) = own + e^(i theta) next +
 /// e^(-i theta) next^T. Unknowns 2j (x) and 2j + 1 (y) of row j from the base.
@@ -23,19 +25,18 @@ struct ColumnStiffness {
 };
 
 ColumnStiffness column_stiffness(const Sensor& sensor) {
-  Sensor narrow = sensor;
+  Sensor narrow = with_unit_young(sensor);
   narrow.columns = 3;
   narrow.length = 2 * sensor.length / (sensor.columns - 1);
   narrow.tactels = 2;
   narrow.tactel_span.reset();
   narrow.tactel_width = 0;
-  narrow.young = 1;
   const Mesh mesh = make_mesh(narrow);
   const Eigen::Index size = 2 * sensor.rows;
   ColumnStiffness column{Eigen::MatrixXd::Zero(size, size), Eigen::MatrixXd::Zero(size, size)};
   for (int j = 0; j + 1 < sensor.rows; ++j) {
-    const ElementStiffness k =
-        element_stiffness(mesh.element, mesh.node(Eigen::all, mesh.cell.row(2 * j)), material(narrow));
+    const ElementNodes node = mesh.node(Eigen::all, mesh.cell.row(2 * j));
+    const ElementStiffness k = element_stiffness(mesh.element, node, material(narrow, node.row(1).mean()));
     const int row[] = {j, j, j + 1, j + 1};  // of the corners, counter-clockwise from the lower left
     const bool right[] = {false, true, true, false};
     for (int a = 0; a < 4; ++a)
@@ -67,7 +68,8 @@ Answer answer(const ColumnStiffness& column, Complex phase) {
 LongLayer long_layer(const Sensor& sensor, int columns) {
   if (sensor.element == Element::q8) throw std::invalid_argument("long_layer: elements with mid-side nodes; use bbar");
   const double spacing = sensor.length / (sensor.columns - 1);
-  const int period = 2 * (columns + static_cast<int>(reach * sensor.thickness / spacing));
+  const double far = std::max(reach, lengths * shear_length(sensor.layers));
+  const int period = 2 * (columns + static_cast<int>(far * sensor.thickness / spacing));
   const ColumnStiffness column = column_stiffness(sensor);
   LongLayer layer;
   layer.spacing = spacing;

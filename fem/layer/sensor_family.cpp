@@ -281,6 +281,9 @@ double SensorFamily::place(double poisson) const {
 
 void SensorFamily::require(const Sensor& sensor) const {
   validate(sensor);
+  if (!sensor.layers.empty())
+    throw ValueError("sensor.layers", std::to_string(sensor.layers.size()) + " layers",
+                     "left out where each contact draws its own sensor");
   const SensorRange& r = range();
   constexpr double rounding = 1e-12;
   if (!(sensor.poisson >= r.poisson_low && sensor.poisson <= r.poisson_high))

@@ -67,10 +67,11 @@ Eigen::MatrixXd spread_over_neighbours(const Eigen::MatrixXd& by_node) {
 }  // namespace
 
 Sensor side_block(const Sensor& sensor) {
+  const Sensor unit = with_unit_young(sensor, most_poisson_of_block);
   Sensor block;
   block.length = std::min(sensor.length, longest_side_block * sensor.thickness);
   block.thickness = sensor.thickness;
-  block.poisson = std::min(sensor.poisson, most_poisson_of_block);
+  block.young = unit.young, block.poisson = unit.poisson, block.layers = unit.layers;
   constexpr int half = columns_a_thickness / 2;
   block.columns = std::max(least_columns, 2 * static_cast<int>(std::lround(half * block.length / block.thickness)) + 1);
   block.rows = rows_of_block;

@@ -6,12 +6,12 @@
 namespace tactel::fem {
 
 Eigen::SparseMatrix<double> stiffness(const Mesh& mesh, const Sensor& sensor) {
-  const Material rubber = material(sensor);
   const Eigen::Index per_cell = mesh.cell.cols(), unknowns = 2 * mesh.node.cols();
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(mesh.cell.rows() * 4 * per_cell * per_cell));
   for (const auto& cell : mesh.cell.rowwise()) {
-    const ElementStiffness k = element_stiffness(mesh.element, mesh.node(Eigen::all, cell), rubber);
+    const ElementNodes node = mesh.node(Eigen::all, cell);
+    const ElementStiffness k = element_stiffness(mesh.element, node, material(sensor, node.row(1).mean()));
     const auto global = [&](Eigen::Index local) { return 2 * cell[local / 2] + static_cast<int>(local % 2); };
     for (Eigen::Index j = 0; j < k.cols(); ++j)
       for (Eigen::Index i = 0; i < k.rows(); ++i) entries.emplace_back(global(i), global(j), k(i, j));

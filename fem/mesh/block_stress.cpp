@@ -70,8 +70,9 @@ Eigen::MatrixXd base_edge_mass(const Mesh& mesh) {
   return mass;
 }
 
-ElementStress stress_of_cell(const Mesh& mesh, Eigen::Index cell, const Material& rubber) {
-  return element_nodal_stress(mesh.element, mesh.node(Eigen::all, mesh.cell.row(cell)), rubber);
+ElementStress stress_of_cell(const Mesh& mesh, Eigen::Index cell, const Sensor& sensor) {
+  const ElementNodes node = mesh.node(Eigen::all, mesh.cell.row(cell));
+  return element_nodal_stress(mesh.element, node, material(sensor, node.row(1).mean()));
 }
 
 /// How many elements meet at each node, [nodes].
@@ -84,14 +85,13 @@ Eigen::VectorXd elements_at_nodes(const Mesh& mesh) {
 /// sigma_y of every base node, then tau_xy, from all displacements: mean over the elements that meet there.
 /// [2 base nodes, 2 nodes] MPa/mm.
 Eigen::SparseMatrix<double> base_node_stress(const Mesh& mesh, const Sensor& sensor) {
-  const Material rubber = material(sensor);
   const Eigen::VectorXd count = elements_at_nodes(mesh);
   const auto base_nodes = static_cast<int>(mesh.base.size());
   std::vector<int> place(static_cast<std::size_t>(mesh.node.cols()), -1);  // among the base nodes
   for (int k = 0; k < base_nodes; ++k) place[static_cast<std::size_t>(mesh.base[static_cast<std::size_t>(k)])] = k;
   Triplets entries;
   for (Eigen::Index c = 0; c < sensor.columns - 1; ++c) {  // the bottom row of cells comes first
-    const ElementStress stress = stress_of_cell(mesh, c, rubber);
+    const ElementStress stress = stress_of_cell(mesh, c, sensor);
     for (Eigen::Index local = 0; local < mesh.cell.cols(); ++local) {
       const int node = mesh.cell(c, local), k = place[static_cast<std::size_t>(node)];
       if (k < 0) continue;
@@ -130,11 +130,10 @@ Eigen::SparseMatrix<double> base_stress_from_elements(const Mesh& mesh, const Se
 }
 
 Eigen::Matrix4Xd nodal_stress(const Mesh& mesh, const Sensor& sensor, const Eigen::VectorXd& displacement) {
-  const Material rubber = material(sensor);
   Eigen::Matrix4Xd stress = Eigen::Matrix4Xd::Zero(4, mesh.node.cols());
   for (Eigen::Index c = 0; c < mesh.cell.rows(); ++c) {
     const Eigen::Matrix2Xd u = displacement.reshaped(2, mesh.node.cols())(Eigen::all, mesh.cell.row(c));
-    const Eigen::VectorXd at_nodes = stress_of_cell(mesh, c, rubber) * u.reshaped();
+    const Eigen::VectorXd at_nodes = stress_of_cell(mesh, c, sensor) * u.reshaped();
     for (Eigen::Index local = 0; local < mesh.cell.cols(); ++local)
       stress.col(mesh.cell(c, local)) += at_nodes.segment<4>(4 * local);
   }

@@ -61,8 +61,7 @@ double lost_force(const Condensation& condensation) {
 }
 
 Condensation condense(const Sensor& sensor) {
-  Sensor unit = sensor;
-  unit.young = 1;
+  const Sensor unit = with_unit_young(sensor);
   const ClampedBlock block(unit);
   const Mesh& mesh = block.mesh();
   const bool reaction = sensor.stress == StressRecovery::reaction;

@@ -19,7 +19,7 @@ std::string key_text(const Sensor& s) {
          "\ncolumns " + std::to_string(s.columns) + "\nrows " + std::to_string(s.rows) + "\ngrading " +
          number_text(s.grading) + "\nelement " + name(s.element) + "\ntactels " + std::to_string(s.tactels) +
          "\nspan " + number_text(s.span()) + "\nwidth " + number_text(s.tactel_width) + "\nstress " + name(s.stress) +
-         "\n";
+         "\n" + layers_text(s);
 }
 
 /// A result of the right sizes for this sensor, to be filled.

@@ -100,9 +100,10 @@ Eigen::MatrixXd internal_amplitudes(const Eigen::MatrixXd& k, Eigen::Index outer
 
 }  // namespace
 
-Material material(const Sensor& sensor) {
+Material material(const Sensor& sensor, double height) {
   require_compressible(sensor);
-  return {sensor.young / (2 * (1 + sensor.poisson)), sensor.young / (3 * (1 - 2 * sensor.poisson))};
+  const auto [thickness, young, poisson] = rubber_at(sensor, height);
+  return {young / (2 * (1 + poisson)), young / (3 * (1 - 2 * poisson))};
 }
 
 int nodes_per_element(Element element) { return element == Element::q8 ? 8 : 4; }

@@ -11,7 +11,8 @@ struct Material {
   double shear;  ///< G = E / (2 (1 + nu))
   double bulk;   ///< kappa = E / (3 (1 - 2 nu))
 };
-Material material(const Sensor& sensor);
+/// Returns that of the rubber at a height, mm.
+Material material(const Sensor& sensor, double height = 0);
 
 using ElementNodes = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 8>;                     ///< [2, 4 or 8] mm
 using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 16, 16>;  ///< [2 nodes, 2 nodes]

@@ -6,6 +6,21 @@
 namespace tactel::fem {
 namespace {
 
+/// Moves the rows nearest to interfaces of layers there, and those between in proportion. y: [rows] mm.
+void meet_interfaces(const Sensor& sensor, Eigen::VectorXd& y) {
+  const Eigen::VectorXd even = y;
+  Eigen::Index below = 0, left = static_cast<Eigen::Index>(sensor.layers.size());
+  for (const RubberLayer& layer : sensor.layers) {
+    const Eigen::Index last = y.size() - left;  // each further layer has a row of elements
+    const double top = --left == 0 ? sensor.thickness : y[below] + layer.thickness;
+    Eigen::Index row = below + 1;
+    while (row < last && even[row] + even[row + 1] < 2 * top) ++row;
+    for (Eigen::Index j = below + 1; j <= row; ++j)
+      y[j] = y[below] + (top - y[below]) * (even[j] - even[below]) / (even[row] - even[below]);
+    y[below = row] = top;
+  }
+}
+
 /// Heights at which the corner nodes' rows lie, [rows] mm: row heights fall geometrically from the base to the surface.
 Eigen::VectorXd row_heights(const Sensor& sensor) {
   const int intervals = sensor.rows - 1;
@@ -14,6 +29,7 @@ Eigen::VectorXd row_heights(const Sensor& sensor) {
     y[j + 1] = y[j] + std::pow(sensor.grading, -static_cast<double>(j) / std::max(1, intervals - 1));
   y *= sensor.thickness / y[intervals];
   y[intervals] = sensor.thickness;
+  meet_interfaces(sensor, y);
   return y;
 }
 

@@ -110,20 +110,6 @@ double spline_integral(double r) {
   return std::copysign(integral, r);
 }
 
-/// How far shear of the upper layers is carried, over H: the longest length of a plate on a bed at any interface.
-double shear_length(const std::vector<RubberLayer>& layers) {
-  double H = 0, longest = 0, below = 0;
-  for (const RubberLayer& layer : layers) H += layer.thickness;
-  for (std::size_t k = 0; k + 1 < layers.size(); ++k) {
-    below += 2 * (1 + layers[k].poisson) * layers[k].thickness / layers[k].young;
-    double above = 0;
-    for (std::size_t upper = k + 1; upper < layers.size(); ++upper)
-      above += layers[upper].young * layers[upper].thickness / (1 - std::pow(layers[upper].poisson, 2));
-    longest = std::max(longest, above * below);
-  }
-  return std::sqrt(longest) / H;
-}
-
 }  // namespace
 
 PadLayer::PadLayer(double poisson)
@@ -133,14 +119,10 @@ PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson
 
 PadLayer::PadLayer(const std::vector<RubberLayer>& layers) : poisson_(layers.back().poisson) {
   constexpr double lengths = 16;  // leave 1e-7
-  double H = 0, soft = 0;
-  for (const RubberLayer& layer : layers) {
-    H += layer.thickness;
-    soft += layer.thickness *
-            std::min(1.0, layers.back().young * (1 + layer.poisson) / (layer.young * (1 + layers.back().poisson)));
-  }
+  double H = 0;
+  for (const RubberLayer& layer : layers) H += layer.thickness;
   near_ = layers.back().thickness / H;
-  soft_thickness_ = std::max(soft / H, least_soft_thickness);
+  soft_thickness_ = fem::soft_thickness(layers);
   reach_ = std::max(range, lengths * shear_length(layers));
   const auto count = static_cast<Eigen::Index>(std::ceil(steps_a_thickness * std::asinh(reach_ / near_)));
   Eigen::VectorXd ends = Eigen::VectorXd::LinSpaced(count + 1, 0, static_cast<double>(count) / steps_a_thickness);

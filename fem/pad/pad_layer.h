@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fem/pad/pad_integrals.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 
@@ -56,13 +57,6 @@ struct SoftObject {
   std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
 };
 
-/// What the rubber of a pad is made of, by its thickness and the Young's modulus of its surface.
-struct Rubber {
-  double poisson = 0;                 ///< of its surface
-  std::vector<RubberLayer> layers{};  ///< from the base up; none: one
-  auto operator<=>(const Rubber&) const = default;
-};
-
 /// Stress at the base, MPa per MPa: rows sigma_z, tau_x, tau_y; columns by f_x, f_y, f_z.
 using PadBaseStress = Eigen::Matrix3d;
 
@@ -75,7 +69,6 @@ class PadLayer {
   static constexpr double least_parted = 0.35;                  ///< H
   static constexpr int most_parts = 16;                         ///< of a side
   static constexpr double narrow_cell = 0.78, wide_cell = 1.1;  ///< H: sides whose traction is uniform, and smooth
-  static constexpr double least_soft_thickness = 0.1;           ///< H
 
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;

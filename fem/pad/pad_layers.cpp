@@ -89,20 +89,6 @@ double softer_in_shear(const PadSensor& sensor) {
   return sheared * sensor.young / (sensor.thickness * (1 + sensor.poisson));
 }
 
-Rubber rubber(const PadSensor& sensor) {
-  Rubber all{sensor.poisson};
-  for (const RubberLayer& layer : sensor.layers) {
-    RubberLayer* below = all.layers.empty() ? nullptr : &all.layers.back();
-    const RubberLayer own{layer.thickness / sensor.thickness, layer.young / sensor.young, layer.poisson};
-    if (below != nullptr && below->young == own.young && below->poisson == own.poisson)
-      below->thickness += own.thickness;
-    else
-      all.layers.push_back(own);
-  }
-  if (all.layers.size() == 1) all.layers.clear();
-  return all;
-}
-
 PadLayer pad_layer(const Rubber& rubber) {
   if (rubber.layers.empty()) return pad_layer(rubber.poisson);
   constexpr std::size_t most_kept = 8;

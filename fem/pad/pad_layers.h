@@ -35,8 +35,6 @@ std::vector<double> poisson_shares(double poisson);
 
 /// Returns how much farther an even traction shears the layers than as much of the uppermost; 1 without layers.
 double softer_in_shear(const PadSensor& sensor);
-/// Returns what tables of a pad depend on; neighbours of one rubber are one layer.
-Rubber rubber(const PadSensor& sensor);
 /// Returns a layer of the PadLayers of this process; layers upon layers are made in a tenth of a second, and the last
 /// few are kept.
 PadLayer pad_layer(double poisson);

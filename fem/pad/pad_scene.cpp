@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 #include "fem/numbers/angles.h"
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_markers.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 namespace {
@@ -31,28 +31,6 @@ void check_length(const char* member, double value, const char* allowed) {
 
 namespace {
 
-void check_layers(const PadSensor& sensor) {
-  constexpr std::size_t most_layers = 8;
-  constexpr double thinnest = 0.002, largest_ratio = 1e4;
-  const auto& layers = sensor.layers;
-  check(layers.size() <= most_layers, "sensor.layers", static_cast<double>(layers.size()), "8 layers at most");
-  const PadSensor all = with_layers({.layers = layers});
-  const double softest = std::ranges::min(layers, {}, &RubberLayer::young).young;
-  for (std::size_t k = 0; k < layers.size(); ++k) {
-    const auto& [thickness, young, poisson] = layers[k];
-    const std::string place = "sensor.layers[" + std::to_string(k) + "].";
-    check_length((place + "thickness").c_str(), thickness);
-    check(thickness >= thinnest * all.thickness, place + "thickness", thickness, "0.002 of the sum of all or more");
-    check(young >= 1e-9 && young <= 1e12, place + "young", young, allowed_young);
-    check(young <= largest_ratio * softest, place + "young", young, "1e4 times that of the softest layer or less");
-    check(poisson >= 0 && poisson <= 0.5, place + "poisson", poisson, allowed_poisson);
-  }
-  for (const auto& [member, own, given] :
-       {std::tuple{"sensor.thickness", sensor.thickness, all.thickness},
-        std::tuple{"sensor.young", sensor.young, all.young}, std::tuple{"sensor.poisson", sensor.poisson, all.poisson}})
-    check(own == given, member, own, "left out beside sensor.layers");
-}
-
 void check_relaxation(const std::vector<std::array<double, 2>>& terms) {
   const char* key = "sensor.relaxation";
   check(terms.size() <= 4, key, static_cast<double>(terms.size()), "4 pairs [share, seconds] at most");
@@ -72,7 +50,7 @@ void check_relaxation(const std::vector<std::array<double, 2>>& terms) {
 }  // namespace
 
 void validate(const PadSensor& sensor) {
-  if (!sensor.layers.empty()) check_layers(sensor);
+  check_layers(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
   check_relaxation(sensor.relaxation);
   check_length("sensor.thickness", sensor.thickness);
   check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young, allowed_young);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/scenes/sensor.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/value_error.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 namespace {
@@ -21,6 +23,7 @@ bool within(double value, double least, double most) { return value >= least && 
 }  // namespace
 
 void validate(const Sensor& sensor) {
+  check_layers(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
   // The bounds on sizes are far outside what a tactile skin can be; they keep every later product finite.
   check(within(sensor.length, 1e-6, 1e6), "length", sensor.length, "a length in mm, between 1e-6 and 1e6");
   check(within(sensor.thickness, 1e-6, 1e6), "thickness", sensor.thickness, "a thickness in mm, between 1e-6 and 1e6");
@@ -30,6 +33,8 @@ void validate(const Sensor& sensor) {
         "a number of mesh nodes along x, 3 to 2001");
   check(within(sensor.rows, 2, most_rows), "rows", sensor.rows,
         "a number of mesh nodes through the thickness, 2 to 1001");
+  check(sensor.rows > static_cast<int>(sensor.layers.size()), "rows", sensor.rows,
+        "more mesh nodes through the thickness than sensor.layers");
   check(within(sensor.grading, 0.01, 100), "grading", sensor.grading,
         "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
   check(within(sensor.tactels, 2, most_tactels), "tactels", sensor.tactels, "a number of tactels, 2 to 10000");
@@ -71,9 +76,33 @@ const char* name(StressRecovery recovery) {
 }
 
 void require_compressible(const Sensor& sensor) {
-  if (!(sensor.poisson < 0.5))
-    throw ValueError("sensor.poisson", number_text(sensor.poisson),
+  const double poisson = largest_poisson(sensor);
+  if (!(poisson < 0.5))
+    throw ValueError("sensor.poisson", number_text(poisson),
                      "below 0.5 on a mesh, whose stiffness is infinite there; a patch takes 0.5");
+}
+
+RubberLayer rubber_at(const Sensor& sensor, double height) {
+  if (sensor.layers.empty()) return {sensor.thickness, sensor.young, sensor.poisson};
+  auto layer = sensor.layers.begin();
+  for (double top = layer->thickness; height > top && layer + 1 != sensor.layers.end(); top += layer->thickness)
+    ++layer;
+  return *layer;
+}
+
+Sensor with_unit_young(Sensor sensor, double poisson) {
+  for (RubberLayer& layer : sensor.layers)
+    layer.young /= sensor.young, layer.poisson = std::min(layer.poisson, poisson);
+  sensor.young = 1, sensor.poisson = std::min(sensor.poisson, poisson);
+  return sensor;
+}
+
+std::string layers_text(const Sensor& sensor) {
+  std::string text;
+  for (const auto& [thickness, young, poisson] : sensor.layers)
+    text +=
+        "layer " + number_text(thickness) + " " + number_text(young / sensor.young) + " " + number_text(poisson) + "\n";
+  return text;
 }
 
 Eigen::VectorXd surface_positions(const Sensor& sensor) {

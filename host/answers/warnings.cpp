@@ -237,6 +237,8 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
     all.push_back(fmt::format("rung {} requires more than the {} columns that a mesh may have: its mesh is coarser, {}",
                               outcome.rung, fem::most_columns,
                               description(rung_named(outcome.rung), outcome.scene.sensor)));
+  if (!scene.sensor.layers.empty())
+    all.push_back("errors were not measured for scenes like this one: layers upon layers");
   if (!outcome.no_estimate.empty())
     all.push_back(fmt::format("the error of this answer is not estimated: {}", outcome.no_estimate));
   return all;

@@ -22,7 +22,8 @@ fem::Sensor sensor_to_fem(const Sensor& from) {
     sensor.element = from.mesh->element;
     sensor.stress = from.mesh->stress;
   }
-  return sensor;
+  sensor.layers = from.layers;
+  return with_layers(std::move(sensor));
 }
 
 Sensor sensor_from_fem(const fem::Sensor& from, fem::SurfaceModel model) {
@@ -32,6 +33,7 @@ Sensor sensor_from_fem(const fem::Sensor& from, fem::SurfaceModel model) {
   sensor.tactels = from.tactels, sensor.tactel_span = from.tactel_span, sensor.tactel_width = from.tactel_width;
   if (model == fem::SurfaceModel::mesh)
     sensor.mesh = Mesh{from.columns, from.rows, from.grading, from.element, from.stress};
+  sensor.layers = from.layers;
   return sensor;
 }
 

@@ -15,7 +15,7 @@ ContactModel model_of(const Rung& rung) {
 LaunchKey launch_key(const fem::Sensor& s, ContactKind kind, bool on_mesh) {
   const fem::Sensor mesh = on_mesh ? s : fem::Sensor{};
   return {{s.length, s.thickness, s.poisson, s.tactels, s.tactel_span.value_or(-1), s.tactel_width, mesh.columns,
-           mesh.rows, mesh.grading, mesh.element, mesh.stress},
+           mesh.rows, mesh.grading, mesh.element, mesh.stress, s.layers},
           kind};
 }
 

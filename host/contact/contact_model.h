@@ -39,7 +39,9 @@ ContactModel model_of(const Rung& rung);
 
 /// What scenes of one launch have in common: the sensor but for E, of patches also but for its mesh, and the kind.
 struct LaunchKey {
-  std::tuple<double, double, double, int, double, double, int, int, double, fem::Element, fem::StressRecovery> sensor{};
+  std::tuple<double, double, double, int, double, double, int, int, double, fem::Element, fem::StressRecovery,
+             std::vector<RubberLayer>>
+      sensor{};
   ContactKind kind{};
   auto operator<=>(const LaunchKey&) const = default;
 };

@@ -307,13 +307,15 @@ class Builder {
     const std::string mesh = fmt::format("{} x {} {}", sensor_.columns, sensor_.rows, fem::name(sensor_.element));
     const double factor = exaggeration();
     return fmt::format(
-        "A {} pressed on {} x {} mm of rubber (E = {} MPa, ν = {}, µ = {}). Arrows: the forces of the indenter on the "
+        "A {} pressed on {} x {} mm of rubber ({}E = {} MPa, ν = {}, µ = {}). Arrows: the forces of the indenter on "
+        "the "
         "rubber. Pressure is positive in compression; shear, Q and S are positive towards +x; σ_y < 0 is compression. "
         "The colours of the rubber are {} on {} x {} points with 8 bits, one scale for all steps{}. {}{}The tiles "
         "under "
         "the base are the tactels.",
-        fem::shape_name(scene_.indenter.shape), scene_.sensor.length, scene_.sensor.thickness, scene_.sensor.young,
-        scene_.sensor.poisson, bonded() ? "infinite" : fmt::format("{}", scene_.friction),
+        fem::shape_name(scene_.indenter.shape), scene_.sensor.length, scene_.sensor.thickness,
+        scene_.sensor.layers.empty() ? "" : fmt::format("{} layers, at the surface ", scene_.sensor.layers.size()),
+        scene_.sensor.young, scene_.sensor.poisson, bonded() ? "infinite" : fmt::format("{}", scene_.friction),
         patch() ? fmt::format("the stress of a mesh of {} under the patch's tractions", mesh)
                 : fmt::format("the stress on the contact's own mesh of {}", mesh),
         field_columns, field_rows, clipped() ? "; the rarest 0.25 % at either end are cut off" : "",

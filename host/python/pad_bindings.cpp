@@ -35,7 +35,7 @@ void bind_pad_shapes(py::module_& m) {
 }
 
 void bind_pad_sensor(py::module_& m) {
-  numbers_class<RubberLayer>(m, "RubberLayer", "One of the layers that the rubber of a pad is made of.");
+  numbers_class<RubberLayer>(m, "RubberLayer", "One of the layers that the rubber of a sensor is made of.");
   py::enum_<Sides>(m, "Sides", "Sides of a pad.").value("free", Sides::free).value("held", Sides::held);
   auto pad = value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
                               {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length",

@@ -135,16 +135,20 @@ void bind_sensor(py::module_& m) {
       .def_readonly("grading", &Mesh::grading, "bottom row height over top row height")
       .def_readonly("element", &Mesh::element)
       .def_readonly("stress", &Mesh::stress);
-  value_class<Sensor>(m, "Sensor", "The rubber layer and its tactels.",
-                      {"length", "thickness", "young", "poisson", "tactels", "tactel_span", "tactel_width", "mesh"})
+  value_class<Sensor>(
+      m, "Sensor", "The rubber layer and its tactels.",
+      {"length", "thickness", "young", "poisson", "tactels", "tactel_span", "tactel_width", "mesh", "layers"})
       .def(py::init([](double length, double thickness, double young, double poisson, int tactels,
-                       std::optional<double> tactel_span, double tactel_width, std::optional<Mesh> mesh) {
-             return Sensor{length, thickness, young, poisson, tactels, tactel_span, tactel_width, mesh};
+                       std::optional<double> tactel_span, double tactel_width, std::optional<Mesh> mesh,
+                       std::vector<RubberLayer> layers) {
+             return with_layers(Sensor{length, thickness, young, poisson, tactels, tactel_span, tactel_width, mesh,
+                                       std::move(layers)});
            }),
            "length"_a = 20.0, "thickness"_a = 1.5, "young"_a = 2.0, "poisson"_a = 0.45, "tactels"_a = 21,
            "tactel_span"_a = py::none(), "tactel_width"_a = 0.0, "mesh"_a = py::none(),
+           "layers"_a = std::vector<RubberLayer>(),
            "length, thickness, tactel_span, tactel_width: mm; young: MPa; mesh: None for contact on the scene's own "
-           "patch.")
+           "patch; layers: from the base up, in place of thickness, young and poisson.")
       .def_readonly("length", &Sensor::length, "mm")
       .def_readonly("thickness", &Sensor::thickness, "mm")
       .def_readonly("young", &Sensor::young, "MPa")
@@ -152,7 +156,8 @@ void bind_sensor(py::module_& m) {
       .def_readonly("tactels", &Sensor::tactels)
       .def_readonly("tactel_span", &Sensor::tactel_span, "mm; None: all that fits")
       .def_readonly("tactel_width", &Sensor::tactel_width, "mm; 0: points")
-      .def_readonly("mesh", &Sensor::mesh, "None: contact on the scene's own patch");
+      .def_readonly("mesh", &Sensor::mesh, "None: contact on the scene's own patch")
+      .def_readonly("layers", &Sensor::layers, "from the base up; []: one, of thickness, young and poisson");
 }
 
 void bind_load(py::module_& m) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -74,6 +75,19 @@ void read_numbers(TomlTable& in, T& into, bool complete) {
       there = read_number(in, number.key, into.*number.member, number.allowed);
     if (!there && number.needed && complete) in.refuse_missing(number.key, std::string("given, ") + number.allowed);
   });
+}
+
+/// Reads the layers of a sensor, which have its thickness, young and poisson.
+template <class Sensor>
+void read_layers(TomlTable& in, Sensor& sensor) {
+  const char* tables = "tables [[sensor.layers]] of thickness, young and poisson, base first";
+  for (TomlTable& of : in.read_tables("layers", tables))
+    read_numbers(of, sensor.layers.emplace_back(), true), of.finish();
+  if (sensor.layers.empty()) return;
+  in.refuse_any({"thickness", "young", "poisson"}, "left out beside sensor.layers");
+  const Sensor usual;  // a preset may have others
+  sensor.thickness = usual.thickness, sensor.young = usual.young, sensor.poisson = usual.poisson;
+  sensor = with_layers(std::move(sensor));
 }
 
 /// Reads the pressing of a load, by depth or by force; where it is `needed`, one of them must be there.

@@ -11,16 +11,6 @@ namespace {
 
 const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
 
-void read_layers(TomlTable& in, fem::PadSensor& sensor) {
-  for (TomlTable& of : in.read_tables("layers",
-                                      "tables [[sensor.layers]] of thickness, young "
-                                      "and poisson, base first"))
-    read_numbers(of, sensor.layers.emplace_back(), true), of.finish();
-  if (sensor.layers.empty()) return;
-  in.refuse_any({"thickness", "young", "poisson"}, "left out beside sensor.layers");
-  sensor = with_layers(std::move(sensor));
-}
-
 void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   TomlTable in(file, "sensor");
   in.refuse_any({"model", "columns", "rows", "grading", "element", "stress", "tactel_span", "tactel_width"},

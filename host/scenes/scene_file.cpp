@@ -22,13 +22,14 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
   TomlTable in(file, "sensor");
   if (in.read_choice("kind", sensor_kinds) == 1u)
     in.refuse("kind", "\"line\" here: scenes of pads are for solve, simulate: and tactel.calibrate");
-  in.refuse_any({"pitch", "tactel_size", "axes", "width", "layers", "relaxation"}, left_out_of_a_line);
+  in.refuse_any({"pitch", "tactel_size", "axes", "width", "relaxation"}, left_out_of_a_line);
   const bool names_mesh = std::ranges::any_of(std::array{"columns", "rows", "grading", "element", "stress"},
                                               [&](const char* key) { return in.has(key); });
   const auto model = in.read_choice("model", {"auto", "mesh", "patch"});
   if (names_mesh && model == 2u) in.refuse("model", "auto or mesh, because the table names a mesh");
   scene.model = names_mesh || model == 1u ? fem::SurfaceModel::mesh : model == 2u ? fem::SurfaceModel::patch : usual;
   read_numbers(in, scene.sensor, false);
+  read_layers(in, scene.sensor);
   in.finish();
 }
 

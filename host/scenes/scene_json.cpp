@@ -60,17 +60,23 @@ SceneJson indenter_json(const Indenter& indenter) {
   return out;
 }
 
+/// Layers in place of the numbers that they give.
+void add_layers(SceneJson& out, const std::vector<RubberLayer>& layers) {
+  for (const RubberLayer& layer : layers) add_numbers(out["layers"].emplace_back(), layer);
+  if (layers.empty()) return;
+  for (const char* key : {"thickness", "young", "poisson"}) out.erase(key);
+}
+
 SceneJson sensor_json(const fem::Scene& scene) {
   SceneJson out = {{"model", scene.model == fem::SurfaceModel::patch ? "patch" : "mesh"}};
   add_numbers(out, fem::with_span(scene.sensor));
+  add_layers(out, scene.sensor.layers);
   return out;
 }
 SceneJson sensor_json(const fem::PadScene& scene) {
   SceneJson out = {{"kind", "pad"}};
   add_numbers(out, scene.sensor);
-  for (const RubberLayer& layer : scene.sensor.layers) add_numbers(out["layers"].emplace_back(), layer);
-  if (out.contains("layers"))
-    for (const char* key : {"thickness", "young", "poisson"}) out.erase(key);
+  add_layers(out, scene.sensor.layers);
   if (!scene.sensor.relaxation.empty()) out["relaxation"] = scene.sensor.relaxation;
   if (!scene.sensor.length || !scene.sensor.width) out.erase("sides");  // not known
   return out;

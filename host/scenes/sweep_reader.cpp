@@ -391,6 +391,9 @@ void SweepReaderOf<fem::Scene>::read_own_sensors(SceneSource& source, SceneSourc
     fem::Scene least = from.scene, most = from.scene;
     for (const SceneSource::NumberDraw& d : from.draws)
       d.put(least, ends(d.distribution).first), d.put(most, ends(d.distribution).second);
+    if (!most.sensor.layers.empty())
+      throw file_.error("sensor.layers", node("layers"),
+                        string("left out where each contact draws its own sensor") + instead);
     if (most.sensor.tactel_width > 0)
       throw file_.error("sensor.tactel_width", node("tactel_width"),
                         string("0 where each contact draws its own sensor") + instead);

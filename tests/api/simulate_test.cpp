@@ -6,6 +6,7 @@
 #include <tactel/simulate.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "fem/scenes/scene.h"
 #include "host/answers/solve.h"
@@ -97,6 +98,18 @@ TEST(SceneApi, ReadsScenesAsTheProgramDoes) {
   EXPECT_EQ(scene.load.angle, 10);
   EXPECT_TRUE(scene.load.indentation.empty());
   EXPECT_EQ(message_of([&] { validate(scene); }), "no error");
+}
+
+TEST(SceneApi, LayersTakeThePlaceOfTheirSum) {
+  Scene scene = some_scene();
+  scene.sensor = {};
+  scene.sensor.layers = {{1.25, 1, 0.45}, {0.25, 10, 0.48}};
+  const SmallFile file("layers.toml", toml(scene));
+  const Sensor sensor = read_scene(file.path()).sensor;
+  EXPECT_EQ(sensor.layers, scene.sensor.layers);
+  EXPECT_EQ(std::tuple(sensor.thickness, sensor.young, sensor.poisson), std::tuple(1.5, 10.0, 0.48));
+  scene.sensor.young = 3;
+  EXPECT_THAT(message_of([&] { validate(scene); }), HasSubstr("sensor.young"));
 }
 
 TEST(SceneApi, SamplesAFunction) {

@@ -210,8 +210,12 @@ TEST_F(CondensationCache, EveryMemberButYoungIsInTheKey) {
   EXPECT_EQ(count_after([](Sensor& s) { s.stress = StressRecovery::element; }), 12u);
   EXPECT_EQ(count_after([](Sensor& s) { s.tactel_span = 12; }), 13u);
   EXPECT_EQ(count_after([](Sensor& s) { s.tactel_width = 1; }), 14u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.layers = {{0.5, 1, 0.45}, {1, 2, 0.45}}; }), 15u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.young = 4, s.layers = {{0.5, 2, 0.45}, {1, 4, 0.45}}; }), 15u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.layers = {{0.5, 1, 0.4}, {1, 2, 0.45}}; }), 16u);
   // A member added to Sensor must be added to the key and here.
-  static_assert(sizeof(Sensor) == sizeof(double) * 6 + sizeof(int) * 6 + sizeof(std::optional<double>));
+  static_assert(sizeof(Sensor) == sizeof(double) * 6 + sizeof(int) * 6 + sizeof(std::optional<double>) +
+                                      sizeof(std::vector<RubberLayer>));
 }
 
 TEST_F(CondensationCache, ProcessesAndThreadsShareItSafely) {

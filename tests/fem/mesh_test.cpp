@@ -43,6 +43,24 @@ TEST(Mesh, OneRowIsTheWholeThickness) {
   EXPECT_EQ(mesh.node(1, 3), 7);
 }
 
+// Even rows lie 0.1 mm apart: that at 0.9 moves to 0.88, that at 0.4 to 0.44, or to 0.402; thin layers take a row each.
+TEST(Mesh, RowsMeetTheInterfacesOfLayers) {
+  const auto heights = [](std::vector<RubberLayer> layers) {
+    Sensor sensor{.length = 2, .columns = 3, .rows = 11, .grading = 1, .tactels = 3, .layers = std::move(layers)};
+    const Mesh mesh = make_mesh(with_layers(sensor));
+    std::vector<double> y;
+    for (int j = 0; j < 11; ++j) y.push_back(mesh.node(1, 3 * j));
+    return y;
+  };
+  const auto near = [](std::vector<double> y) { return testing::Pointwise(testing::DoubleNear(1e-12), y); };
+  EXPECT_THAT(heights({{0.44, 1}, {0.44, 2}, {0.12, 3}}),
+              near({0, 0.11, 0.22, 0.33, 0.44, 0.528, 0.616, 0.704, 0.792, 0.88, 1}));
+  EXPECT_THAT(heights({{0.4, 1}, {0.002, 2}, {0.598, 3}}),
+              near({0, 0.1, 0.2, 0.3, 0.4, 0.402, 0.5216, 0.6412, 0.7608, 0.8804, 1}));
+  EXPECT_THAT(heights({{0.98, 1}, {0.008, 2}, {0.004, 3}, {0.008, 2}}),
+              near({0, 0.14, 0.28, 0.42, 0.56, 0.7, 0.84, 0.98, 0.988, 0.992, 1}));
+}
+
 TEST(Mesh, ColumnsAreEquallySpacedAndMirrored) {
   const Eigen::VectorXd x = surface_positions(mesh_a());
   EXPECT_EQ(x[0], -10);

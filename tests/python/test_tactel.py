@@ -60,6 +60,9 @@ class Values(unittest.TestCase):
         self.assertEqual(sensor.young, 2.0)
         self.assertEqual(sensor, tactel.Sensor(20.0, 2.0, 2.0, 0.3, 8))
         self.assertNotEqual(sensor, tactel.Sensor())
+        covered = tactel.Sensor(layers=[tactel.RubberLayer(1.2, 1.0), tactel.RubberLayer(0.3, 10.0, 0.48)])
+        self.assertEqual((covered.thickness, covered.young, covered.poisson), (1.5, 10.0, 0.48))
+        self.assertIn("RubberLayer(thickness=0.3, young=10.0, poisson=0.48)", repr(covered))
 
     def test_a_wrong_field_is_named(self):
         with self.assertRaisesRegex(TypeError, "Parabola.with_: no argument raduis; did you mean radius?"):

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/rubber_layer.h>
+
 #include <optional>
 #include <string>
 #include <variant>

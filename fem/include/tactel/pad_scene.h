@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/rubber_layer.h>
+
 #include <array>
-#include <compare>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -13,14 +14,6 @@ namespace tactel {
 
 /// Sides of a pad whose length and width are given: `free` of stress, or `held`, as if the rubber went on without end.
 enum class Sides { free, held };
-
-/// One of the layers that a rubber is made of, bonded to those below and above.
-struct RubberLayer {
-  double thickness = 1.0;  ///< mm
-  double young = 2.0;      ///< MPa
-  double poisson = 0.45;   ///< 0 <= poisson <= 0.5
-  auto operator<=>(const RubberLayer&) const = default;
-};
 
 /// The rubber and its tactels.
 struct Pad {
@@ -40,18 +33,8 @@ struct Pad {
   bool operator==(const Pad&) const = default;
 };
 
-/// Returns a pad whose thickness, young and poisson are those of its layers where they were left out, as files and
-/// Python make it.
-inline Pad with_layers(Pad pad) {
-  if (pad.layers.empty()) return pad;
-  double thickness = 0;
-  for (const RubberLayer& layer : pad.layers) thickness += layer.thickness;
-  const auto fill = [](double& own, double usual, double given) { own = own == usual ? given : own; };
-  fill(pad.thickness, Pad().thickness, thickness);
-  fill(pad.young, Pad().young, pad.layers.back().young);
-  fill(pad.poisson, Pad().poisson, pad.layers.back().poisson);
-  return pad;
-}
+/// The same for a pad in braces.
+inline Pad with_layers(Pad pad) { return with_layers<Pad>(static_cast<Pad&&>(pad)); }
 
 /// Coulomb's mu over the skin of a pad, in place of one number: on a grid about the pad's middle, bilinear between
 /// nodes, constant beyond the outermost.

@@ -18,17 +18,21 @@ void put_cubic(const double (&f)[4], double* c) {
   c[3] = -4.5 * f[0] + 13.5 * f[1] - 13.5 * f[2] + 4.5 * f[3];
 }
 
-/// Cells for a sensor of this length, in thicknesses: a patch may be as wide as it, and the certificate looks a little
-/// beyond its ends.
-int smooth_cells(double length) {
-  constexpr int per = fem::LayerTable::cells_a_thickness;
-  const int wanted = static_cast<int>(std::min(std::ceil(1.5 * length * per), 1.0 * most_cells));
-  return std::max(wanted, 2 * per);
+/// Of equal width, over h. Layers have as many over their uppermost as one has over h, or as a table may have.
+double cells_over_h(const fem::LayerTable& layer, double length) {
+  constexpr double per = fem::LayerTable::cells_a_thickness;
+  return layer.top() > 0 ? std::min(per / layer.top(), most_cells / (1.5 * length)) : per;
 }
 
-void put_smooth_cell(const fem::LayerTable& layer, int cell, double* row) {
-  constexpr int per = fem::LayerTable::cells_a_thickness;
-  if (cell < layer.cells()) {
+/// Cells for a sensor of this length, in thicknesses: a patch may be as wide as it, and the certificate looks a little
+/// beyond its ends.
+int smooth_cells(double length, double per) {
+  const int wanted = static_cast<int>(std::min(std::ceil(1.5 * length * per), 1.0 * most_cells));
+  return std::max(wanted, static_cast<int>(2 * per));
+}
+
+void put_smooth_cell(const fem::LayerTable& layer, int cell, double per, double* row) {
+  if (cell < layer.cells() && layer.top() == 0) {
     for (int k = 0; k < 3 * LAYER_COEFFICIENTS; ++k) row[k] = layer.coefficients()(cell, k);
     return;
   }
@@ -40,11 +44,11 @@ void put_smooth_cell(const fem::LayerTable& layer, int cell, double* row) {
   for (int k = 0; k < 3; ++k) put_cubic(f[k], row + k * LAYER_COEFFICIENTS);
 }
 
-std::vector<double> smooth_rows(const fem::LayerModel& model) {
-  const int cells = smooth_cells(model.sensor.length / model.sensor.thickness);
+std::vector<double> smooth_rows(const fem::LayerModel& model, double per) {
+  const int cells = smooth_cells(model.sensor.length / model.sensor.thickness, per);
   std::vector<double> rows(static_cast<std::size_t>(cells) * PATCH_BLOCK, 0);
   for (int cell = 0; cell < cells; ++cell)
-    put_smooth_cell(model.table, cell, &rows[static_cast<std::size_t>(cell) * PATCH_BLOCK]);
+    put_smooth_cell(model.table, cell, per, &rows[static_cast<std::size_t>(cell) * PATCH_BLOCK]);
   return rows;
 }
 
@@ -74,11 +78,12 @@ std::vector<double> numbers_of(const Rows& rows) {
 int count_of(const std::vector<double>& table, int numbers) { return static_cast<int>(table.size()) / numbers; }
 
 std::vector<double> family_smooth(const fem::SensorFamily& family) {
-  const int cells = smooth_cells(family.range().longest), poissons = family.poisson_rows();
+  constexpr int per = fem::LayerTable::cells_a_thickness;
+  const int cells = smooth_cells(family.range().longest, per), poissons = family.poisson_rows();
   std::vector<double> rows(static_cast<std::size_t>(cells) * poissons * PATCH_BLOCK, 0);
   double* row = rows.data();
   for (int cell = 0; cell < cells; ++cell)
-    for (int k = 0; k < poissons; ++k, row += PATCH_BLOCK) put_smooth_cell(family.table(k), cell, row);
+    for (int k = 0; k < poissons; ++k, row += PATCH_BLOCK) put_smooth_cell(family.table(k), cell, per, row);
   return rows;
 }
 
@@ -120,7 +125,8 @@ KernelTables patch_tables(const fem::LayerModel& model) {
   static_assert(fem::FreeSides::rank == SIDE_MODES && 2 * SIDE_MODES == PATCH_BLOCK);
   const bool endless = free_sides.endless();
   const int tactels = model.base.tactels(), outputs = padded(2 * tactels);
-  const std::vector<double> smooth = smooth_rows(model), base = base_rows(model.base, outputs);
+  const double per = cells_over_h(model.table, sensor.length / sensor.thickness);
+  const std::vector<double> smooth = smooth_rows(model, per), base = base_rows(model.base, outputs);
   const std::vector<double> sides = endless ? std::vector<double>() : numbers_of(free_sides.rows());
   std::vector<double> signs(SIDE_MODES, 0);
   if (!endless) signs.assign(free_sides.sign().begin(), free_sides.sign().end());
@@ -128,7 +134,7 @@ KernelTables patch_tables(const fem::LayerModel& model) {
           {{"cells", count_of(smooth, PATCH_BLOCK)},
            {"side_rows", count_of(sides, PATCH_BLOCK)},
            {"base_rows", count_of(base, 2 * outputs)}},
-          {{"cells_per_mm", fem::LayerTable::cells_a_thickness / sensor.thickness},
+          {{"cells_per_mm", per / sensor.thickness},
            {"thickness", sensor.thickness},
            {"length", sensor.length},
            {"cy", fem::layer_cy(sensor.poisson)},

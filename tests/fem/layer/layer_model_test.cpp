@@ -119,7 +119,11 @@ TEST_F(LayerModelCache, HasAFileForEachLayer) {
   EXPECT_EQ(files_after([](Sensor& s) { s.tactel_span = 1.5; }), 6);
   EXPECT_EQ(files_after([](Sensor& s) { s.tactel_width = 0.5; }), 7);
   // A member added to Sensor must be added to the key, if the layer depends on it, and here.
-  static_assert(sizeof(Sensor) == sizeof(double) * 6 + sizeof(int) * 6 + sizeof(std::optional<double>));
+  EXPECT_EQ(files_after([](Sensor& s) { s.layers = {{0.5, 1, 0.45}, {1, 2, 0.45}}; }), 8);
+  EXPECT_EQ(files_after([](Sensor& s) { s.young = 4, s.layers = {{0.5, 2, 0.45}, {1, 4, 0.45}}; }), 8);
+  EXPECT_EQ(files_after([](Sensor& s) { s.layers = {{0.5, 1, 0.4}, {1, 2, 0.45}}; }), 9);
+  static_assert(sizeof(Sensor) == sizeof(double) * 6 + sizeof(int) * 6 + sizeof(std::optional<double>) +
+                                      sizeof(std::vector<RubberLayer>));
 }
 
 }  // namespace

@@ -128,6 +128,39 @@ TEST_P(TwinInFp32, MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32)
 INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(8, 12, 24));
 INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(16));
 
+/// Layers change only tables. Those of the kernel have equal cells, the twin's are graded: cubics leave 1e-6 of either.
+template <class Real>
+void expect_layered_twin(std::vector<RubberLayer> layers, double tolerance) {
+  fem::Sensor sensor;
+  sensor.layers = std::move(layers);
+  sensor = with_layers(sensor);
+  const fem::LayerModel model = fem::layer_model(sensor);
+  std::size_t solved = 0, scenes_in_all = 0, not_alike = 0;
+  for (auto& scenes : by_kind(mixed_scenes(sensor, 20, 5))) {
+    for (fem::Scene& scene : scenes)
+      for (RubberLayer& layer : scene.sensor.layers) layer.young *= scene.sensor.young / sensor.young;
+    for (fem::Scene& scene : scenes) scene.sensor.young = scene.sensor.layers.back().young;
+    if (scenes.empty()) continue;
+    const fem::PatchOptions options{.tolerance = 1e-5, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0};
+    const auto batch = ran(PatchContact<Real>(executor(), model, options), scenes);
+    for (std::size_t i = 0; i < scenes.size(); ++i, ++scenes_in_all) {
+      const fem::ContactSolution found = batch.solution(i),
+                                 expected = fem::PatchSolver(model, options).solve(scenes[i]);
+      solved += found.steps.back().converged;
+      not_alike += !solved_alike(found, expected);
+      EXPECT_LE(difference(found, expected), tolerance) << describe(scenes[i]) << ", scene " << i;
+    }
+  }
+  EXPECT_GE(solved, 0.8 * static_cast<double>(scenes_in_all));
+  EXPECT_LE(not_alike, scenes_in_all / 20);
+}
+
+TEST(PatchContactSlow, LayersMatchTheTwin) {
+  expect_layered_twin<double>({{1.3875, 1, 0.48}, {0.1125, 10, 0.48}}, 1e-4);
+  expect_layered_twin<double>({{0.2, 0.1, 0.45}, {1.294, 2, 0.3}, {0.006, 1, 0.45}}, 1e-4);
+  expect_layered_twin<float>({{1.2, 0.2, 0.3}, {0.3, 1, 0.48}}, 1e-4);
+}
+
 TEST(PatchContactSlow, EveryShapeMatchesTheTwin) {
   const fem::LayerModel model = fem::layer_model(sensor_of(0.45));
   auto shapes = all_shapes();

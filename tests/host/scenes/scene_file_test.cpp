@@ -3,14 +3,16 @@
 // Scene files that are good: every key, defaults, the preset, profiles, and the scene written back as JSON.
 #include "host/scenes/scene_file.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/scenes/scene_json.h"
+#include "host/scenes/scene_toml.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::host {
 namespace {
@@ -73,6 +75,27 @@ tangential_steps = 6
   EXPECT_EQ(scene.load.indentation_steps, 3);
   EXPECT_EQ(scene.load.tangential_step, -0.02);
   EXPECT_EQ(scene.load.tangential_steps, 6);
+}
+
+TEST(SceneFile, LayersStandForTheNumbersOfTheirSum) {
+  const std::string rest = "[indenter]\nshape = \"flat\"\n[load]\nindentation = 0.1\n",
+                    layers =
+                        "[[sensor.layers]]\nthickness = 1.2\nyoung = 1\n[[sensor.layers]]\nthickness = 0.3\n"
+                        "young = 10\npoisson = 0.48\n";
+  const fem::Scene scene = read_text(layers + rest);
+  EXPECT_EQ(scene.sensor.layers, (std::vector<RubberLayer>{{1.2, 1, 0.45}, {0.3, 10, 0.48}}));
+  EXPECT_EQ(std::tuple(scene.sensor.thickness, scene.sensor.young, scene.sensor.poisson), std::tuple(1.5, 10.0, 0.48));
+  const auto sensor = to_json(scene)["sensor"];
+  EXPECT_EQ(sensor["layers"][1]["young"], 10);
+  EXPECT_FALSE(sensor.contains("thickness") || sensor.contains("young") || sensor.contains("poisson"));
+  const ScratchFolder folder;
+  EXPECT_EQ(read_scene(folder.write("back.toml", scene_toml(scene))).sensor, fem::with_span(scene.sensor));
+  // The preset's own poisson gives way.
+  EXPECT_EQ(read_text("preset = \"paper\"\n" + layers).sensor.layers, scene.sensor.layers);
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read_text("[sensor]\nyoung = 3\n" + layers + rest); }),
+              testing::HasSubstr("sensor.young = 3: must be left out beside sensor.layers"));
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read_text("[sensor]\nrows = 2\n" + layers + rest); }),
+              testing::HasSubstr("sensor.rows"));
 }
 
 TEST(SceneFile, WhatIsLeftOutTakesItsDefault) {

@@ -34,6 +34,21 @@ TEST(SceneSource, PlainNumbersStayAsTheyAre) {
   EXPECT_EQ(contact.scene.load.indentation, std::vector{0.15});
 }
 
+TEST(SceneSource, SensorsMayHaveLayers) {
+  const std::string layers =
+      "[[sensor.layers]]\nthickness = 1.2\nyoung = 1\n[[sensor.layers]]\nthickness = 0.3\nyoung = ";
+  const SceneSource two = source(head + "[[sensor]]\n" + layers + "10\n[[sensor]]\n" + load + parabola);
+  std::set<std::size_t> counts;
+  for (std::uint64_t k = 0; k < 50; ++k) counts.insert(two.contact(k).scene.sensor.layers.size());
+  EXPECT_EQ(counts, (std::set<std::size_t>{0, 2}));
+  EXPECT_THAT(message_of(head + "[sensor]\n" + layers + "{ uniform = [1, 10] }\n" + load + parabola),
+              HasSubstr("sensor.layers[1].young"));
+  const std::string drawn = "[sensor]\nlength = { uniform = [15, 20] }\n" + layers + "10\n" + load + parabola;
+  EXPECT_THAT(message_of(head + drawn), HasSubstr("sensor.layers"));
+  EXPECT_THAT(message_of(head + drawn), HasSubstr("left out where each contact draws its own sensor"));
+  EXPECT_EQ(source(head + "sensors = 3\n" + drawn).contact(7).scene.sensor.layers.size(), 2u);
+}
+
 // Beyond 32 bits both are what the file says, and each contact is drawn.
 TEST(SceneSource, CountsContactsAndSeedsBeyond32Bits) {
   const auto with = [&](const char* contacts, const char* seed) {

@@ -66,6 +66,27 @@ TEST_F(PatchSet, RowsOnFewElementsAreMarked) {
   EXPECT_EQ(set.coarse, marked);
 }
 
+// Some contacts on a covered line, some on one without a cover. Expected: each scene solved alone.
+TEST_F(PatchSet, LayersAreThoseOfTheScenes) {
+  const SceneSource source = SceneSource::read(folder_.write(
+      "layers.toml",
+      "[sweep]\ncontacts = 24\n[indenter]\nshape = \"parabola\"\nradius = { uniform = [5, 20] }\n"
+      "[load]\nindentation = 0.12\ntangential = [0.02, 0.05]\n[[sensor]]\nyoung = 0.5\n[[sensor]]\n"
+      "[[sensor.layers]]\nthickness = 1.4\nyoung = 0.5\n[[sensor.layers]]\nthickness = 0.1\nyoung = 5\n"));
+  const Rung rung = rung_named("patch-12");
+  const ContactSet set = SetSimulator(executor_, source, {.patch = rung}).simulate(0, 24);
+  std::size_t covered = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    const fem::Scene scene = source.contact(set.contact[row]).scene;
+    const fem::ContactStep step = solve_on_rung(executor_, std::span(&scene, 1), rung)[0].steps[set.step[row]];
+    EXPECT_NEAR(set.normal_force[row], step.P, 1e-5 * step.P) << row;
+    EXPECT_NEAR(set.slip_index[row], *step.slip_index, 1e-4) << row;
+    covered += !scene.sensor.layers.empty();
+  }
+  EXPECT_GT(covered, 6u);
+  EXPECT_LT(covered, set.rows() - 6);
+}
+
 // As a GPU has them: one lane, work-groups of 64 with a ragged end, and memory of its own. On patches, and on a mesh.
 TEST_F(PatchSet, OnAGpuTheBytesAreTheSame) {
   Executor gpu{device().as_gpu()};

@@ -26,13 +26,14 @@ struct Mesh {
 /// The rubber layer and its tactels.
 struct Sensor {
   double length = 20.0;                 ///< mm
-  double thickness = 1.5;               ///< mm
+  double thickness = 1.5;               ///< mm; left out beside layers, as young and poisson
   double young = 2.0;                   ///< MPa
   double poisson = 0.45;                ///< 0 <= poisson < 0.5
   int tactels = 21;                     ///< equally spaced
   std::optional<double> tactel_span{};  ///< mm from the middle of the first to that of the last; none: all that fits
   double tactel_width = 0;              ///< mm over which a tactel averages the stress; 0: a point
   std::optional<Mesh> mesh{};           ///< none: contact on the scene's own patch of elements
+  std::vector<RubberLayer> layers{};    ///< from the base up, at most 8; none: one, of the numbers above
 };
 
 /// Returns the profile of a function y(x) [mm], sampled at `points` places from `left` to `right` [mm], x counted from
