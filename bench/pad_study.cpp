@@ -8,15 +8,17 @@
 //
 //     build/bench/tactel_pad_study judge [SCENES, 120] [SEED, 2027] [ANSWERS]
 //     build/bench/tactel_pad_study sides [SCENES, 120] [SEED, 2027] [ANSWERS]
+//     build/bench/tactel_pad_study markers [SCENES, 120] [SEED, 2027] [ANSWERS]
+//     build/bench/tactel_pad_study layers [SCENES, 120] [SEED, 2027] [ANSWERS]
 //
-// prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, or on
-// pads with free sides, and how often --accuracy is kept. It fails where less than 95 % of stated errors hold, or 90 %
-// of those of one quantity on one rung, one of S or P is exceeded threefold, or less than 97 % of accuracies are kept.
-// By what the reference may itself be off (printed) counts for the answer. A scene whose reference does not settle has
-// no answer to judge by: it is named and left out, and more than one in fifty fail.
+// prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, on
+// pads with free sides, with markers or of layers, and how often --accuracy is kept. It fails where less than 95 % of
+// stated errors hold, or 90 % of those of one quantity on one rung, one of S or P is exceeded threefold, or less than
+// 97 % of accuracies are kept. By what the reference may itself be off (printed) counts for the answer. A scene whose
+// reference does not settle has no answer to judge by: it is named and left out, and more than one in fifty fail.
 //
-// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 32 with free sides,
-// and so many increments that a path has 24.
+// ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side, 40 with
+// markers and of layers, 32 with free sides, and so many increments that a path has 24.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,10 +27,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "bench/unlike_pads.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_reference.h"
 #include "host/answers/rung_error.h"
 #include "host/answers/solve.h"
@@ -37,53 +41,70 @@ namespace tactel::host {
 namespace {
 
 using Errors = AnswerError;
-constexpr std::array<const char*, 6> names = {"S", "P", "Q", "M", "sigma", "tau"};
+constexpr std::array<const char*, 7> names = {"S", "P", "Q", "M", "sigma", "tau", "markers"};
 
 /// Numbers of an answer that errors are made of, in order.
 template <class F>
 void each_number(fem::PadReferenceSolution& answer, F f) {
   f(answer.solution.cells.hx), f(answer.solution.cells.hy);
-  for (const auto member : fem::pad_error_members) f(answer.error.*member);
+  for (const auto member : fem::pad_error_members)
+    if (member != &Errors::markers || answer.solution.steps.front().markers.rows() > 0) f(answer.error.*member);
   for (fem::PadStep& step : answer.solution.steps) {
     if (!step.slip_index) step.slip_index = 0;
     double converged = step.converged;
     f(converged), step.converged = converged != 0;
     f(step.P), f(step.Q[0]), f(step.Q[1]), f(step.M), f(*step.slip_index);
     for (double& stress : step.stress.reshaped()) f(stress);
+    for (double& u : step.markers.reshaped()) f(u);
   }
 }
 
 /// The reference's answer to a scene: from a file of an earlier run, or solved and written there.
 fem::PadReferenceSolution reference(const fem::PadScene& scene, const std::string& path) {
   const int drags = std::max<int>(1, static_cast<int>(scene.load.drags.size()));
-  fem::PadOptions options = fem::pad_reference_options(fem::has_free_sides(scene.sensor) ? 32 : 48);
+  fem::PadOptions options = fem::pad_reference_options(fem::has_free_sides(scene.sensor)               ? 32
+                                                       : scene.markers || !scene.sensor.layers.empty() ? 40
+                                                                                                       : 48);
   options.drag_increments = std::clamp(24 / drags, 4, 12);
   fem::PadReferenceSolution answer;
   if (std::ifstream in(path); !path.empty() && in) {
     answer.solution.cells.n = options.cells;
     answer.solution.steps.resize(fem::pad_targets(scene.load).size());
     for (fem::PadStep& step : answer.solution.steps)
-      step.stress.resize(scene.sensor.tactels[0] * scene.sensor.tactels[1], 3);
+      step.stress.resize(scene.sensor.tactels[0] * scene.sensor.tactels[1], 3),
+          step.markers.resize(static_cast<Eigen::Index>(fem::marker_count(scene.markers)), 3);
     each_number(answer, [&](double& number) { in >> number; });
     if (in) return answer;
   }
-  answer = fem::PadReference(fem::pad_layer(scene.sensor.poisson), options).solve(scene);
+  answer = fem::PadReference(fem::pad_layer(scene), options).solve(scene);
   if (path.empty()) return answer;
   std::ofstream out(path);
   each_number(answer, [&](double& number) { out << fmt::format("{}\n", number); });
   return answer;
 }
 
-/// As the table was measured; wider; with free sides.
-enum class Scenes { measured, wide, free_sides };
+/// As the table was measured; wider; with free sides; with markers; of layers.
+enum class Scenes { measured, wide, free_sides, markers, layers };
+
+UnlikePad unlike(Scenes scenes, unsigned seed, int k) {
+  switch (scenes) {
+    case Scenes::free_sides:
+      return unlike_free_pad(seed, k);
+    case Scenes::markers:
+      return unlike_marked_pad(seed, k);
+    case Scenes::layers:
+      return unlike_layered_pad(seed, k);
+    default:
+      return unlike_pad(seed, k, scenes == Scenes::wide);
+  }
+}
 
 /// Calls f with each scene and the reference's answer.
 template <class F>
 void each_scene(int count, unsigned seed, Scenes scenes, const std::string& answers, const F& f) {
   if (!answers.empty()) std::filesystem::create_directories(answers);
   for (int k = 0; k < count; ++k) {
-    const UnlikePad pad =
-        scenes == Scenes::free_sides ? unlike_free_pad(seed, k) : unlike_pad(seed, k, scenes == Scenes::wide);
+    const UnlikePad pad = unlike(scenes, seed, k);
     const std::string kept = fmt::format("{}/{}_{}_{:03}.txt", answers, seed, static_cast<int>(scenes), k);
     f(pad, reference(pad.scene, answers.empty() ? "" : kept));
   }
@@ -117,7 +138,9 @@ void print(const std::string& what, const ByClass& errors) {
 
 fem::PadSolution twin(const PadRung& rung, const fem::PadScene& scene, double tolerance) {
   const fem::PadOptions options{.cells = rung.cells, .tolerance = tolerance, .pressing_increments = rung.increments};
-  return fem::PadSolver(fem::pad_layer(scene.sensor.poisson), options).solve(scene);
+  fem::PadSolution answer = fem::PadSolver(fem::pad_layer(scene), options).solve(scene);
+  fem::see_markers(scene, answer);
+  return answer;
 }
 
 int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& errors, const char* file) {
@@ -135,7 +158,7 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
     for (int k = 0; k < pad_classes; ++k) {
       const std::vector<Errors>& of = errors.at(rung.name)[k];
       out << (k == 0 ? "{{" : ",\n         {{");
-      for (const auto member : fem::pad_error_members)
+      for (const auto member : std::span(fem::pad_error_members).first<6>())  // its scenes have no markers
         out << fmt::format("{}{:.4f}", member == &Errors::S ? "" : ", ", covering_value(column(of, member), 0.95));
       out << fmt::format("}}, {:.4f}}}", covering_value(column(of, &Errors::S), 1));
     }
@@ -258,7 +281,8 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
     if (rung.exact) continue;
     const Tally& t = rungs[rung.name];
     for (std::size_t k = 0; k < names.size(); ++k) {
-      fmt::print("{:<8} {:<6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.2f}\n", rung.name, names[k],
+      if (std::ranges::all_of(t.said[k], [](double said) { return said == 0; })) continue;  // without markers
+      fmt::print("{:<8} {:<7} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.2f}\n", rung.name, names[k],
                  covering_value(t.said[k], 0.5), covering_value(t.made[k], 0.5), covering_value(t.said[k], 0.95),
                  covering_value(t.made[k], 0.95), 100 * t.held(k), t.worst(k));
       good = good && t.held(k) >= 0.9 && (k > 1 || t.worst(k) <= 3);
@@ -281,13 +305,15 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
 }  // namespace tactel::host
 
 int main(int count, char** arguments) {
-  const bool free_sides = count > 1 && std::string(arguments[1]) == "sides";
-  const bool judging = free_sides || (count > 1 && std::string(arguments[1]) == "judge");
+  using tactel::host::Scenes;
+  const std::map<std::string, Scenes> kinds{
+      {"judge", Scenes::wide}, {"sides", Scenes::free_sides}, {"markers", Scenes::markers}, {"layers", Scenes::layers}};
+  const auto kind = kinds.find(count > 1 ? arguments[1] : "");
+  const bool judging = kind != kinds.end();
   if (judging) --count, ++arguments;
   const int scenes = count > 1 ? std::atoi(arguments[1]) : judging ? 120 : 168;
   const auto seed = static_cast<unsigned>(count > 2 ? std::atoi(arguments[2]) : judging ? 2027 : 2026);
   const std::string answers = count > 3 ? arguments[3] : "";
-  using tactel::host::Scenes;
-  return judging ? tactel::host::judge(scenes, seed, free_sides ? Scenes::free_sides : Scenes::wide, answers)
+  return judging ? tactel::host::judge(scenes, seed, kind->second, answers)
                  : tactel::host::table(scenes, seed, answers, count > 4 ? arguments[4] : nullptr);
 }

@@ -108,6 +108,41 @@ UnlikePad unlike_pad(unsigned seed, int k, bool wide) {
   return made;
 }
 
+UnlikePad unlike_marked_pad(unsigned seed, int k) {
+  std::seed_seq seeds{seed, static_cast<unsigned>(k), 3u};
+  Draw draw{std::mt19937(seeds)};
+  UnlikePad made = unlike_pad(seed, k, true);
+  fem::PadScene& scene = made.scene;
+  const double H = scene.sensor.thickness;
+  scene.markers = Markers{.depth = H * draw.log_in(0.02, 0.5)};
+  // About as wide as a ball of this depth touches.
+  const fem::PadBox section = fem::rigid_section(scene.indenter, 0.2 * H);
+  const double x = std::min(1.5 * section.x.right, 12 * H), y = std::min(1.5 * section.y.right, 12 * H);
+  const auto [at_x, at_y] = scene.indenter.position;
+  for (int i = -3; i <= 3; ++i)
+    for (int j = -3; j <= 3; ++j) scene.markers->places.push_back({at_x + i * x / 3, at_y + j * y / 3});
+  return made;
+}
+
+UnlikePad unlike_layered_pad(unsigned seed, int k) {
+  std::seed_seq seeds{seed, static_cast<unsigned>(k), 4u};
+  Draw draw{std::mt19937(seeds)};
+  UnlikePad made = unlike_pad(seed, k, true);
+  fem::PadSensor& sensor = made.scene.sensor;
+  const int count = 1 + k % 3;
+  double all = 0, soft = 0;
+  for (int layer = 0; layer < count; ++layer)
+    sensor.layers.push_back({draw.in(0.1, 1), layer + 1 < count ? draw.log_in(0.1, 10) : 1, draw.in(0.3, 0.5)});
+  for (const auto& layer : sensor.layers) all += layer.thickness;
+  for (auto& layer : sensor.layers) {
+    layer.thickness = sensor.thickness * (0.1 + (1 - 0.1 * count) * layer.thickness / all);
+    soft += layer.thickness / layer.young / sensor.thickness;
+  }
+  sensor.poisson = sensor.layers.back().poisson;
+  for (double& force : made.scene.load.normal_force) force /= soft;
+  return made;
+}
+
 UnlikePad unlike_free_pad(unsigned seed, int k) {
   std::seed_seq seeds{seed, static_cast<unsigned>(k), 2u};
   Draw draw{std::mt19937(seeds)};

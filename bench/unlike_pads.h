@@ -22,6 +22,13 @@ struct UnlikePad {
 /// from 0.05, 1 to 20 % deep, nu from 0, contacts of 0.15 to 10 H; some by force.
 UnlikePad unlike_pad(unsigned seed, int k, bool wide);
 
+/// Returns a wide scene k with 7 x 7 markers 0.02 to 0.5 H deep, over 1.5 times the contact.
+UnlikePad unlike_marked_pad(unsigned seed, int k);
+
+/// Returns a wide scene k on one to three layers, each 0.1 of the whole or thicker, with 0.1 to 10 times the E of the
+/// uppermost and nu 0.3 to 0.5.
+UnlikePad unlike_layered_pad(unsigned seed, int k);
+
 /// Returns scene k on a pad of 19 x 19 mm with free sides: the same indenters and ways; H 2 to 6 mm, nu 0.3 to 0.4999,
 /// mu 0.1 to 1.5, 1 to 10 % of H deep, contacts of 1.5 to 14 mm to a side of the axis, which lies anywhere on the pad.
 UnlikePad unlike_free_pad(unsigned seed, int k);

@@ -440,12 +440,12 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
    Gauss points or the parts of a wide one (PadLayer::shares). A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
    layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; points [blocks][parts][x, y][LANES] mm: times
    1 / H of the scene; weights [parts]; shares [points of a cell along a side][place over the side, share of its force].
-   Out: stress [scenes][slots][3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's
-   frame. */
+   Out: stress [scenes][slots][numbers], from `from` on [3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's frame. With
+   another table, of displacements at a depth, and markers in place of tactels: u_z, u_x, u_y in mm. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
                             global const real *places, global const real *shares, global const real *points,
-                            global const real *weights, int parts, int tactels, int slots, global const real *forces,
-                            global real *stress) {
+                            global const real *weights, int parts, int tactels, int slots, int numbers, int from,
+                            global const real *forces, global real *stress) {
   TAKE_GROUP(group);
   const size_t blocks = (tactels + LANES - 1) / LANES, scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
@@ -458,7 +458,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
   const real per_H = place[PAD_PLACE_THICKNESS];
   points += block * parts * 2 * LANES;
   forces += scene * slots * 3 * COUNT;
-  stress += scene * slots * 3 * tactels + block * LANES;
+  stress += scene * slots * numbers + from + block * LANES;
   const int own_tactels = tactels - (int)block * LANES < LANES ? tactels - (int)block * LANES : LANES;
   vreal sum[3 * MOST_STEPS];
   for (int first = 0; first < steps; first += MOST_STEPS) {
@@ -513,9 +513,9 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
       const vreal turned[3] = {unit * sum[3 * k], unit * (cosine * sum[3 * k + 1] - sine * sum[3 * k + 2]),
                                unit * (sine * sum[3 * k + 1] + cosine * sum[3 * k + 2])};
       for (int r = 0; r < 3; ++r) {
-        real numbers[LANES];
-        STORE(turned[r], numbers);
-        for (int l = 0; l < own_tactels; ++l) stress[((size_t)(first + k) * 3 + r) * tactels + l] = numbers[l];
+        real lane[LANES];
+        STORE(turned[r], lane);
+        for (int l = 0; l < own_tactels; ++l) stress[(size_t)(first + k) * numbers + r * tactels + l] = lane[l];
       }
     }
   }

@@ -10,6 +10,7 @@
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/value_error.h"
 #include "fem/pad/bessel.h"
+#include "fem/pad/pad_search.h"
 #include "fem/pad/side_kernel.h"
 
 namespace tactel::fem {
@@ -77,7 +78,8 @@ void check(bool good, const char* key, double value, const char* allowed) {
 
 }  // namespace
 
-LayerAtDepth::LayerAtDepth(double poisson, double depth, double farthest) : poisson_(poisson), depth_(depth) {
+LayerAtDepth::LayerAtDepth(double poisson, double depth, double farthest, const std::function<void()>& between)
+    : poisson_(poisson), depth_(depth) {
   constexpr double first_panel = 1e-5, panel = 0.8, last = 48;  // as of the surface: the rest falls like e^-(1 + z) a
   constexpr int order[parts] = {0, 1, 1, 0, 2};
   std::vector<double> a;
@@ -91,6 +93,7 @@ LayerAtDepth::LayerAtDepth(double poisson, double depth, double farthest) : pois
   }
   const auto steps = static_cast<int>(std::min(farthest, reach) * steps_a_thickness) + 2;
   for (int k = 0; k <= steps; ++k) {
+    between();
     Rest value = Rest::Zero(), slope = Rest::Zero();
     for (std::size_t w = 0; w < a.size(); ++w) {
       const Bessel J(a[w] * k / steps_a_thickness);
@@ -141,6 +144,13 @@ std::vector<std::array<double, 2>> marker_places(const Markers& markers) {
   return places;
 }
 
+std::size_t marker_count(const std::optional<Markers>& markers) {
+  if (!markers) return 0;
+  return markers->places.empty()
+             ? static_cast<std::size_t>(markers->counts[0]) * static_cast<std::size_t>(markers->counts[1])
+             : markers->places.size();
+}
+
 void validate(const Markers& markers, const PadSensor& sensor) {
   if (has_free_sides(sensor))
     throw ValueError("markers", "of a pad with free sides", "left out; or sensor.sides = \"held\"");
@@ -150,9 +160,7 @@ void validate(const Markers& markers, const PadSensor& sensor) {
   for (const int count : markers.counts)
     check(count >= 1 && count <= 1000, "markers.counts", count, "numbers of markers along x and y, 1 or more each");
   for (const double p : markers.pitch) check_length("markers.pitch", p);
-  const std::size_t count =
-      markers.places.empty() ? static_cast<std::size_t>(markers.counts[0]) * static_cast<std::size_t>(markers.counts[1])
-                             : markers.places.size();
+  const std::size_t count = marker_count(markers);
   check(count <= most_markers, markers.places.empty() ? "markers.counts" : "markers.places", static_cast<double>(count),
         "4096 markers at most");
   for (const auto& [x, y] : markers.places) {
@@ -168,7 +176,8 @@ void validate(const Camera& camera) {
     check(std::abs(pixel) <= 1e6, "camera.centre", pixel, "two pixels, -1e6 to 1e6");
 }
 
-Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells) {
+Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells,
+                            const std::function<void()>& between) {
   const PadSensor& sensor = scene.sensor;
   const double H = sensor.thickness;
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(radians(cells.frame(scene.indenter))).toRotationMatrix();
@@ -180,7 +189,8 @@ Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const
     farthest = std::max(farthest, own.back().norm() + 2 * std::numbers::sqrt2 * cells.half_size());
   }
   constexpr double spread = 4;  // sides that the smooth traction of a wide cell covers, and more
-  const LayerAtDepth layer(sensor.poisson, markers.depth / H, farthest / H + spread * std::max(cells.hx, cells.hy) / H);
+  const LayerAtDepth layer(sensor.poisson, markers.depth / H, farthest / H + spread * std::max(cells.hx, cells.hy) / H,
+                           between);
   const PadLayer::OfPart of_part = [&](double hx, double hy, double x, double y) {
     return std::hypot(x, y) < reach ? layer.displacement(hx, hy, x, y) : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
   };
@@ -190,6 +200,7 @@ Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const
   const double scale = H / sensor.young;
   Eigen::MatrixXd rows(3 * own.size(), 3 * count);
   for (std::size_t k = 0; k < own.size(); ++k) {
+    between();
     const auto all = PadLayer::of_cells(cells.hx / H, cells.hy / H, 1, n, own[k][0] / H, own[k][1] / H, reach, of_part);
     for (int i = 0; i < count; ++i) {
       const Eigen::Matrix3d at = scale * (turned * all[i / ny * n + i % ny] * turned.transpose());
@@ -213,10 +224,12 @@ Eigen::MatrixX2d pixels_of(const Camera& camera, const Markers& markers, const E
   return pixels;
 }
 
-void see_markers(const PadScene& scene, PadSolution& solution) {
+void see_markers(const PadScene& scene, PadSolution& solution, const std::function<void()>& between) {
   if (!scene.markers) return;
   const PadCells& cells = solution.cells;
-  const Eigen::MatrixXd rows = marker_rows(*scene.markers, scene, cells);
+  PadScene seen = scene;
+  seen.indenter = aligned(scene.indenter, scene.sensor);  // as the cells have it
+  const Eigen::MatrixXd rows = marker_rows(*scene.markers, seen, cells, between);
   for (PadStep& step : solution.steps) {
     Eigen::VectorXd tractions(3 * cells.count());
     tractions << step.normal_force, step.tangential_force.col(0), step.tangential_force.col(1);

@@ -2,6 +2,8 @@
 #pragma once
 #include <Eigen/Dense>
 #include <array>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "fem/pad/pad_cells.h"
@@ -31,7 +33,9 @@ namespace tactel::fem {
 class LayerAtDepth {
  public:
   /// 0 <= poisson <= 1/2, 0 <= depth < 1; displacements are asked for no farther than `farthest` from a cell.
-  LayerAtDepth(double poisson, double depth, double farthest);
+  /// `between` is called often and may throw, which ends it.
+  LayerAtDepth(
+      double poisson, double depth, double farthest, const std::function<void()>& between = [] {});
 
   /// Returns the displacements x, y, z (rows) by unit tractions x, y, z (columns) on a cell, at an offset from its
   /// middle. z points up.
@@ -49,19 +53,25 @@ class LayerAtDepth {
 /// Returns the places of markers on the pad, mm, x fastest.
 std::vector<std::array<double, 2>> marker_places(const Markers& markers);
 
+std::size_t marker_count(const std::optional<Markers>& markers);
+
 /// Throws ValueError, key "markers.<member>" or "camera.<member>".
 void validate(const Markers& markers, const PadSensor& sensor);
 void validate(const Camera& camera);
 
 /// Returns the displacements of markers, rows x, y, z of each, mm, in the frame of the pad, by tractions of 1 MPa on
-/// cells in the same frame, columns [3 cells]: n (which presses), t_x, t_y.
-Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells);
+/// cells in the same frame, columns [3 cells]: n (which presses), t_x, t_y. `between` is called for every marker and
+/// may throw, which ends it.
+Eigen::MatrixXd marker_rows(
+    const Markers& markers, const PadScene& scene, const PadCells& cells, const std::function<void()>& between = [] {});
 
 /// Returns where a camera sees markers that are displaced, pixels, [markers]. What lies nearer to the pinhole by -u_z
 /// is seen so much farther out: first order in u, as all of the mechanics.
 Eigen::MatrixX2d pixels_of(const Camera& camera, const Markers& markers, const Eigen::MatrixX3d& displacements);
 
-/// Puts displacements of markers, and pixels, into the steps of a solution, where the scene has them.
-void see_markers(const PadScene& scene, PadSolution& solution);
+/// Puts displacements of markers, and pixels, into the steps of a solution, where the scene has them. `between` as in
+/// marker_rows.
+void see_markers(
+    const PadScene& scene, PadSolution& solution, const std::function<void()>& between = [] {});
 
 }  // namespace tactel::fem

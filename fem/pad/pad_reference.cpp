@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/pad/pad_markers.h"
+
 namespace tactel::fem {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr int most_with_sides = 32;  ///< cells along a side: their table has 9 
 
 AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
   AnswerError e;
-  double pressing = 0, tangential = 0, sigma = 0, tau = 0;
+  double pressing = 0, tangential = 0, sigma = 0, tau = 0, farthest = 0;
   const double size = b.cells.half_size();
   for (std::size_t k = 0; k < b.steps.size(); ++k) {
     const PadStep &p = a.steps[k], &q = b.steps[k];
@@ -26,11 +28,15 @@ AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
     e.sigma = std::max(e.sigma, off.col(0).maxCoeff()), e.tau = std::max(e.tau, off.rightCols<2>().maxCoeff());
     sigma = std::max(sigma, q.stress.col(0).cwiseAbs().maxCoeff());
     tau = std::max(tau, q.stress.rightCols<2>().cwiseAbs().maxCoeff());
+    if (p.markers.rows() != q.markers.rows() || q.markers.rows() == 0) continue;
+    e.markers = std::max(e.markers, (p.markers - q.markers).cwiseAbs().maxCoeff());
+    farthest = std::max(farthest, q.markers.cwiseAbs().maxCoeff());
   }
   if (pressing > 0) e.P /= pressing;
   if (tangential > 0) e.Q /= tangential, e.M /= tangential;
   if (sigma > 0) e.sigma /= sigma;
   if (tau > 0) e.tau /= tau;
+  if (farthest > 0) e.markers /= farthest;
   return e;
 }
 
@@ -40,7 +46,9 @@ PadReference::PadReference(const PadLayer& layer, const PadOptions& options) : l
 PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) const {
   PadOptions options = options_;
   options.cells = cells, options.parts = parts, options.side_bricks = SideBricks::finest;
-  return PadSolver(layer_, options).solve(scene);
+  PadSolution solution = PadSolver(layer_, options).solve(scene);
+  see_markers(scene, solution, options.between_sweeps);
+  return solution;
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {
@@ -58,6 +66,7 @@ PadReferenceSolution PadReference::solve(const PadScene& scene) const {
     step.Q += 2 * (many.Q - few.Q);
     step.M += 2 * (many.M - few.M);
     step.stress += 2 * (many.stress - few.stress);
+    step.markers += 2 * (many.markers - few.markers), step.pixels += 2 * (many.pixels - few.pixels);
     if (step.slip_index && few.slip_index && many.slip_index)
       step.slip_index = std::clamp(*step.slip_index + 2 * (*many.slip_index - *few.slip_index), 0.0, 1.0);
     if (step.force_ratio) step.force_ratio = step.Q.norm() / (step.mu * step.P);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/side_kernel.h"
 #include "host/contact/pads/pad_stream.h"
@@ -209,7 +210,9 @@ const fem::PadSolution& PadJudge::finer(int cells) {
                                 .whole_path = false,
                                 .between_sweeps = StopScope::checker()};
   const fem::PadLayer layer = fem::pad_layer(scene_);
-  return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
+  fem::PadSolution solution = fem::PadSolver(layer, options).solve(scene_);
+  fem::see_markers(scene_, solution, options.between_sweeps);
+  return finer_.emplace(cells, std::move(solution)).first->second;
 }
 
 std::optional<ExpectedError> PadJudge::error(const PadRung& rung, const fem::PadSolution& answer, int cells) {

@@ -41,7 +41,9 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   PadModel model = model_of(outcome.rung);
   if (outcome.precision == "fp64") model.precision = Precision::fp64;
   if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
-  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
+  fem::PadScene unmarked = outcome.scene;
+  unmarked.markers.reset(), unmarked.camera.reset();  // they are seen at the end, by more than the kernel's quadrature
+  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&unmarked, 1)).front());
 }
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
@@ -88,6 +90,7 @@ void solve_on_rung(PadOutcome& outcome, const PadRung& rung, const SolveOptions&
     solve_on_host(outcome, options);
   else
     solve_on_device(outcome, options);
+  if (!rung.exact) fem::see_markers(outcome.scene, outcome.solution, StopScope::checker());
   refuse_at_edge(outcome.scene, distance_to_edge(outcome.scene, outcome.solution));
 }
 
@@ -136,7 +139,6 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
       state_error(outcome, judge, PadJudge::usual_cells(outcome.rung));
   }
   if (!touches(outcome.solution)) outcome.error.reset();
-  fem::see_markers(outcome.scene, outcome.solution);
   return outcome;
 }
 

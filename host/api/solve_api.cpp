@@ -84,7 +84,7 @@ PadPath path_of(const host::PadOutcome& outcome) {
   if (const auto& error = outcome.error) {
     const host::AnswerError& e = error->expected;
     path.error = {e.S, error->largest, error->strain, error->scenes, error->outside, e.P, e.Q,
-                  e.M, e.sigma,        e.tau,         error->from};
+                  e.M, e.sigma,        e.tau,         error->from,   e.markers};
   }
   return path;
 }

@@ -83,7 +83,10 @@ class LaneAnswer {
     fetch_step(results_, step, part, parts);
     fetch_step(stresses_, step, part, parts);
   }
-  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa. Of pads [3 tactels]: sigma_z, tau_x, tau_y.
+  /// Returns the numbers of a step that tactels() gives: stresses, and behind them what the launch adds.
+  std::size_t stresses() const { return stresses_.rows; }
+  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa. Of pads [3 tactels]: sigma_z, tau_x, tau_y; behind them
+  /// [3 markers]: u_z of every marker, u_x, u_y, mm.
   template <class Number>
   void tactels(int step, std::span<Number> stress) const {
     if (stresses_.fp64)

@@ -66,7 +66,7 @@ class LaunchOf final : public ContactLaunch<Kind> {
   std::span<const std::size_t> by_lane() const override { return view_->by_lane(); }
   std::size_t steps() const override { return batch_->steps_in_all(); }
   std::size_t most_lane_steps() const override {
-    if constexpr (requires { launcher_.most_lane_steps(); }) return launcher_.most_lane_steps();
+    if constexpr (requires { launcher_.most_lane_steps(scenes_); }) return launcher_.most_lane_steps(scenes_);
     return ContactLaunch<Kind>::most_lane_steps();
   }
   double seconds() const override { return batch_->seconds(); }

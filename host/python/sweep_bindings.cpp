@@ -99,6 +99,15 @@ void bind_set(py::module_& m) {
             return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
           },
           "[rows, axes tactels] MPa: normal stresses (compression < 0), then shear")
+      .def_property_readonly(
+          "markers",
+          [](const py::object& self) {
+            const auto& set = self.cast<const Set&>();
+            const auto rows = static_cast<py::ssize_t>(set.rows());
+            const auto numbers = static_cast<py::ssize_t>(set.markers.size());
+            return view(set.markers, {rows, rows ? numbers / rows / 3 : 0, 3}, self);
+          },
+          "[rows, markers, 3] mm along x, y, z, of pads with markers: their displacements")
       .def(
           "inputs", &inputs_of, py::kw_only(), "history"_a = 1, "history_change"_a = py::none(), "reference"_a = "",
           "target"_a = "slip_index", "friction"_a = false,

@@ -114,6 +114,12 @@ class SourceOf : public ContactSource {
   std::vector<float> tactel_x() const;
   std::vector<float> tactel_y() const;  ///< of pads
   const std::optional<OwnSensors>& own_sensors() const { return own_sensors_; }
+  /// Returns the markers of all contacts, of pads.
+  std::optional<Markers> markers() const {
+    if constexpr (!of_lines)
+      if (!indenter_.alternatives.empty()) return indenter_.alternatives.front().scene.markers;
+    return {};
+  }
   /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
   bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }
   /// Returns whether any of them has a rate.

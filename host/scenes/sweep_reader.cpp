@@ -105,8 +105,8 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
-  if (scene.markers)
-    throw file.error("markers", file.root().get("markers"), "left out of sweeps: solve and PadStepper have markers");
+  if (scene.camera)
+    throw file.error("camera", file.root().get("camera"), "left out of sweeps: sets have displacements of markers");
   if (scene.friction_map)
     throw file.error("contact.friction_map", file.root().get("contact")->as_table()->get("friction_map"),
                      "left out of sweeps: solve and PadStepper take it");
@@ -352,6 +352,20 @@ void SweepReaderOf<Scene>::check_holds(const Source& source) const {
   }
 }
 
+/// What sets ask of markers; the file of their places.
+template <class Scene>
+void SweepReaderOf<Scene>::take_markers(Source& source) const {
+  constexpr double least_depth = 0.02;  // H: where the kernel's sums are still as good as cells
+  const auto markers = source.markers();
+  if (!markers) return;
+  const auto table = file_.root()["markers"];
+  for (const auto& sensor : source.sensors_)
+    if (markers->depth < least_depth * sensor.thickness)
+      throw file_.error("markers.depth", table["depth"].node(), "a fiftieth of sensor.thickness or more in sweeps");
+  if (const auto name = table["places"].value<string>())
+    source.files_.push_back(*file_sum(*name, {{markers->places.front().data(), 2 * markers->places.size()}}));
+}
+
 template <class Scene>
 void SweepReaderOf<Scene>::take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const {
   const toml::table& table = table_of_path(load, node, "load.irregular");
@@ -431,6 +445,10 @@ void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource
       throw file_.error("sensor.sides", all[i] ? all[i]->get("sides") : nullptr,
                         "\"held\" where each contact draws its own thickness or Poisson's ratio: free sides of each "
                         "take tenths of a second; or [sweep] sensors = n, for n sensors that the contacts share");
+    if (own_sides && from.scene.markers)
+      throw file_.error("markers", file_.root().get("markers"),
+                        "left out where each contact draws its own thickness or Poisson's ratio: tables of each take "
+                        "tenths of a second; or [sweep] sensors = n, for n sensors that the contacts share");
     for (const PadSource::NumberDraw& d : from.draws) {
       const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
       source.own_sensors_->any_poisson |=
@@ -513,6 +531,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.contact_ = part("contact");
   source.load_ = part("load");
   check_holds(source);
+  if constexpr (!of_lines<Scene>) take_markers(source);
   source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;

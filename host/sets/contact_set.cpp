@@ -53,6 +53,9 @@ SetColumns columns_of(const SetFile& in) {
   const auto leave_out = [&](const char* name, const auto&, int, const char*) {
     if (!has.contains(name)) columns.left_out.insert(name);
   };
+  if (columns.pad && has.contains("markers")) columns.marker_numbers = in.column<float>("markers", true).columns;
+  if (columns.marker_numbers % 3 != 0)
+    in.refuse("markers", fmt::format("{} columns", columns.marker_numbers), "three for each marker");
   const ContactSet all(columns);
   each_dataset(all, leave_out);
   for (const char* name : {"parameters", "tactel_x", "tactel_y"}) leave_out(name, 0, 0, "");

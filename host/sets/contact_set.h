@@ -24,10 +24,11 @@ using tactel::SetArrays;
 /// Which datasets a set has.
 struct SetColumns {
   SetColumns(int inputs = 0, bool sensors = false, bool pad = false) : inputs(inputs), sensors(sensors), pad(pad) {}
-  int inputs;    ///< 2 tactels; of a pad axes nx ny
-  bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
-  bool pad;      ///< contacts on pads
-  int axes = 2;  ///< stresses of a tactel; of a pad 3, or 1
+  int inputs;              ///< 2 tactels; of a pad axes nx ny
+  bool sensors;            ///< each contact has its own sensor: its numbers are columns, too
+  bool pad;                ///< contacts on pads
+  int axes = 2;            ///< stresses of a tactel; of a pad 3, or 1
+  int marker_numbers = 0;  ///< 3 markers; 0: none
   std::vector<std::string> parameter_names, parameter_units;  ///< of `/parameters`, ContactParameters; or none
   std::vector<float> tactel_x;                                ///< [tactels] mm; empty where contacts differ in them
   std::vector<float> tactel_y;                                ///< [tactels] mm, of pads, whose x is the fastest
@@ -96,13 +97,17 @@ struct SetColumn {
   const char* name;
   const char *line, *pad;  ///< unit of lines, of pads; null: their sets have none
   Values& value;
-  Number number;            ///< member of SetRow; null: the inputs
+  Number number;            ///< member of SetRow; of SetColumns: as many numbers a row, none with 0; null: the inputs
   bool of_sensors = false;  ///< only where each contact has its own sensor
 
   static constexpr bool is_inputs = std::is_null_pointer_v<Number>;
+  static constexpr bool is_counted = std::is_same_v<Number, int SetColumns::*>;
   static constexpr bool is_directed = std::is_same_v<Number, std::array<double, 2> SetRow::*>;
-  /// Returns the numbers of a row: 1, or as many as the set has directions or inputs.
-  int width(const SetColumns& set) const { return is_inputs ? set.inputs : is_directed ? set.directions() : 1; }
+  /// Returns the numbers of a row: 1, or as many as the set has directions, inputs, or counts.
+  int width(const SetColumns& set) const {
+    if constexpr (is_counted) return set.*number;
+    return is_inputs ? set.inputs : is_directed ? set.directions() : 1;
+  }
   /// Puts a row into place `at`, where the set has this dataset.
   void put(std::size_t at, const SetRow& row, std::size_t directions) const {
     using To = typename Values::value_type;
@@ -110,7 +115,7 @@ struct SetColumn {
     if constexpr (is_directed)
       for (std::size_t axis = 0; axis < directions; ++axis)
         value[directions * at + axis] = static_cast<To>((row.*number)[axis]);
-    else if constexpr (!is_inputs)
+    else if constexpr (!is_inputs && !is_counted)
       value[at] = static_cast<To>(row.*number);
   }
 };
@@ -125,6 +130,8 @@ auto set_columns(Set& set) {
   return std::tuple{
       SetColumn{"inputs", "MPa; normal stress of every tactel, then shear",
                 "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y", set.frames, nullptr},
+      SetColumn{"markers", nullptr, "mm; displacement along x, y, z of every marker", set.markers,
+                &SetColumns::marker_numbers},
       SetColumn{"slip_index", "1; Q / (mu P)", "1; 1 / lambda, the share of the contact's limit that (Q, M) take",
                 set.slip_index, &Row::slip_index},
       SetColumn{"normal_force", "N/mm", "N", set.normal_force, &Row::P},
@@ -172,7 +179,7 @@ template <class Set, class Visit>
 void each_column(Set& set, const Visit& visit) {
   each(set_columns(set), [&](const auto& column) {
     const char* const unit = set.pad && column.pad != as_line ? column.pad : column.line;
-    if (unit == nullptr || (column.of_sensors && !set.sensors)) return;
+    if (unit == nullptr || (column.of_sensors && !set.sensors) || (column.is_counted && column.width(set) == 0)) return;
     const bool list = !column.is_inputs && column.width(set) == 1;
     visit(column.name, column.value, list ? 0 : column.width(set), unit);
   });

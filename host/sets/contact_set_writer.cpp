@@ -195,7 +195,10 @@ std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compres
   };
   each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     std::vector<const char*> dimensions = {"row"};
-    if (width > 0) dimensions.push_back(std::string_view(name) == "inputs" ? "input" : "direction");
+    if (width > 0)
+      dimensions.push_back(name == std::string_view("inputs")    ? "input"
+                           : name == std::string_view("markers") ? "displacement"
+                                                                 : "direction");
     create(name, values, width, unit, rows.rows, rows_of_chunk(rows.columns.inputs), std::move(dimensions));
   });
   each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "fem/gap/accuracy.h"
+#include "fem/pad/pad_markers.h"
 #include "host/contact/limits.h"
 #include "host/contact/pads/pad_step.h"
 #include "host/scenes/scene_source.h"
@@ -29,6 +30,7 @@ StepOptions step_options(const fem::PadSensor& sensor, const HeldModel& model) {
   made.cell = {length / model.cells, width / model.cells};
   made.most_sweeps = most_sweeps;
   if (model.accept > 0) made.tolerance = model.accept / fem::slow_on_patch;
+  made.markers = model.markers;
   return made;
 }
 
@@ -54,7 +56,8 @@ class HeldLaunch final : public ContactLaunch<HeldContacts> {
         sensor_(sensor),
         options_(step_options(sensor, model)),
         accept_(fem::by_rule<Real>({options_.tolerance, 0}, fem::slow_on_patch).accept),
-        inputs_(static_cast<std::size_t>(inputs_of(sensor))) {}
+        inputs_(static_cast<std::size_t>(inputs_of(sensor))),
+        numbers_(inputs_ + 3 * fem::marker_count(model.markers)) {}
   void add(const HeldScene& scene, const HeldContacts::Path&) override { grips_.push_back({scene, {}, {}}); }
   void lay_out() override {}
   void run(const RunOptions& options) override;
@@ -62,7 +65,7 @@ class HeldLaunch final : public ContactLaunch<HeldContacts> {
   LaneAnswer answer(std::size_t i) const override {
     return {static_cast<int>(grips_[i].frames()),
             {grips_[i].results.data(), HELD_RESULT_ROWS, true},
-            {grips_[i].stresses.data(), inputs_, false}};
+            {grips_[i].stresses.data(), numbers_, false}};
   }
   std::span<const std::size_t> by_lane() const override { return {}; }
   std::size_t steps() const override {
@@ -77,7 +80,7 @@ class HeldLaunch final : public ContactLaunch<HeldContacts> {
   struct Grip {
     HeldScene scene;
     std::vector<double> results;  ///< [frames][HELD_RESULT_ROWS]
-    std::vector<float> stresses;  ///< [frames][inputs] MPa
+    std::vector<float> stresses;  ///< [frames][inputs] MPa, then of markers [z, x, y][markers] mm
     std::size_t frames() const { return scene.hold.frames.size(); }
   };
   void put(std::span<const Real> result, const HeldStep& step, const HeldContact& held, std::span<double> row) const;
@@ -85,8 +88,8 @@ class HeldLaunch final : public ContactLaunch<HeldContacts> {
   Executor& executor_;
   fem::PadSensor sensor_;
   StepOptions options_;
-  double accept_;  ///< residual of a frame that is solved
-  std::size_t inputs_;
+  double accept_;                 ///< residual of a frame that is solved
+  std::size_t inputs_, numbers_;  ///< of a frame; with those of markers
   std::vector<Grip> grips_;
   double seconds_ = 0;
 };
@@ -106,7 +109,7 @@ void HeldLaunch<Real>::run(const RunOptions& options) {
     held.emplace_back(grip.scene, grip.scene.hold, cells);
     longest = std::max(longest, grip.frames());
     grip.results.resize(grip.frames() * HELD_RESULT_ROWS);
-    grip.stresses.resize(grip.frames() * inputs_);
+    grip.stresses.resize(grip.frames() * numbers_);
   }
   std::vector<double> heights(count * field), cover(count * field), axes(2 * count), to(4 * count);
   for (std::size_t k = 0; k < longest; ++k) {
@@ -129,6 +132,8 @@ void HeldLaunch<Real>::run(const RunOptions& options) {
       steps.move(to);
     const auto results = steps.results();
     const auto frames = steps.frames();
+    const auto markers = steps.markers();
+    const std::size_t marker_count = (numbers_ - inputs_) / 3;
     seconds_ += seconds_since(start);
     for (std::size_t c = 0; c < count; ++c) {
       Grip& grip = grips_[c];
@@ -137,9 +142,11 @@ void HeldLaunch<Real>::run(const RunOptions& options) {
       const HeldStep step = held_step(result, cells.area());
       held[c].take(k, step);
       put(result, step, held[c], std::span(grip.results).subspan(k * HELD_RESULT_ROWS, HELD_RESULT_ROWS));
-      std::ranges::transform(frames.subspan(c * all_inputs, inputs_),
-                             grip.stresses.begin() + static_cast<std::ptrdiff_t>(k * inputs_),
+      const auto all = std::span(grip.stresses).subspan(k * numbers_, numbers_);
+      std::ranges::transform(frames.subspan(c * all_inputs, inputs_), all.begin(),
                              [](Real stress) { return static_cast<float>(stress); });
+      for (std::size_t u = 0; u < 3 * marker_count; ++u)  // [z, x, y][markers]
+        all[inputs_ + (u + 1) % 3 * marker_count + u / 3] = static_cast<float>(markers[3 * marker_count * c + u]);
     }
   }
   for (Grip& grip : grips_) {

@@ -24,6 +24,7 @@ struct HeldModel {
   int cells = 0;                        ///< along the pad's shorter side
   double accept = 0;                    ///< as GapSweepOptions; 0: the usual
   Precision precision = Precision::fp32;
+  std::optional<Markers> markers{};
 };
 
 /// What scenes of one launch have in common: a launch is by wrench or by motion of all contacts.

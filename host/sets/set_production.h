@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/pad/pad_markers.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/set_simulator.h"
 #include "host/sets/set_spool.h"
@@ -10,11 +11,14 @@
 
 namespace tactel::host {
 
-/// Contacts of a chunk, the unit of simulation, checksum and storage; of grips, which have hundreds of rows, fewer.
-inline constexpr std::uint64_t chunk_contacts = 8192, chunk_grips = 512;
+/// Contacts of a chunk, the unit of simulation, checksum and storage; of grips, which have hundreds of rows, and with
+/// many markers, fewer.
+inline constexpr std::uint64_t chunk_contacts = 8192, chunk_grips = 512, few_markers = 64;
 inline std::uint64_t contacts_of_chunk(const AnySource& source) {
   const auto* pads = std::get_if<PadSource>(&source);
-  return pads != nullptr && pads->holds() ? chunk_grips : chunk_contacts;
+  if (pads == nullptr) return chunk_contacts;
+  const std::uint64_t markers = std::max<std::uint64_t>(fem::marker_count(pads->markers()), few_markers);
+  return (pads->holds() ? chunk_grips : chunk_contacts) * few_markers / markers;
 }
 std::uint64_t chunk_count(const AnySource& source);
 

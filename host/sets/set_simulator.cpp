@@ -13,6 +13,7 @@
 #include "fem/gap/contact_laws.h"
 #include "fem/numbers/angles.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "host/contact/limits.h"
 #include "host/contact/lines/contact_stream.h"
 #include "host/contact/lines/sensor_tables.h"
@@ -164,8 +165,11 @@ std::vector<float> stress_of(const fem::ContactStep& step) {
   frame.insert(frame.end(), step.tau_xy.begin(), step.tau_xy.end());
   return frame;
 }
-std::vector<float> stress_of(const fem::PadStep& step) {  // [tactels, 3] by columns
-  return {step.stress.data(), step.stress.data() + step.stress.size()};
+std::vector<float> stress_of(const fem::PadStep& step) {  // [tactels, 3] by columns; of markers z, x, y
+  std::vector<float> frame(step.stress.data(), step.stress.data() + step.stress.size());
+  for (const int axis : {2, 0, 1})
+    for (const double u : step.markers.col(axis)) frame.push_back(static_cast<float>(u));
+  return frame;
 }
 
 double element_of(const fem::ContactSolution& solution, const fem::Sensor& sensor) {
@@ -231,6 +235,14 @@ struct Steps {
       std::copy_n(again->stresses[static_cast<std::size_t>(k)].begin(), frame.size(), frame.begin());
     else
       answer.tactels(k, frame);
+  }
+  /// [markers][x, y, z], from the end of the stresses: [z, x, y][markers].
+  void markers(int k, std::span<float> u) const {
+    std::vector<float> zxy(again ? again->stresses[static_cast<std::size_t>(k)] : std::vector<float>{});
+    if (zxy.empty()) zxy.resize(answer.stresses()), answer.tactels(k, std::span(zxy));
+    const std::size_t count = u.size() / 3;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t m = 0; m < count; ++m) u[3 * m + axis] = zxy[zxy.size() - u.size() + (axis + 1) % 3 * count + m];
   }
   bool slid() const {
     return again ? again->slides : static_cast<int>(answer.result(answer.steps - 1, RESULT_STATUS)) >= LANE_SLIDING;
@@ -337,6 +349,7 @@ template <class Contacts>
 void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
   const auto columns = set_columns(set);
   const auto inputs = static_cast<std::size_t>(set.inputs), directions = static_cast<std::size_t>(set.directions());
+  const auto markers = static_cast<std::size_t>(set.marker_numbers);
   int most = 0;
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
@@ -354,6 +367,7 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
       step.poisson = contact.sensor.poisson, step.thickness = contact.sensor.thickness;
       step.young = contact.sensor.young, put_sensor(step, contact.sensor);
       each(columns, [&](const auto& column) { column.put(from.at, step, directions); });
+      if (markers > 0) from.steps.markers(k, std::span(set.markers).subspan(from.at * markers, markers));
       from.steps.stress(k, std::span(set.frames).subspan(from.at++ * inputs, inputs));
     }
 }
@@ -585,7 +599,9 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
 template <class Scene>
 SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
-  if constexpr (!SourceOf<Scene>::of_lines) columns.axes = source.sensors().front().axes;
+  if constexpr (!SourceOf<Scene>::of_lines)
+    columns.axes = source.sensors().front().axes,
+    columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers()));
   const auto parameters = source.parameters();
   for (const auto& column : parameters.columns()) {
     columns.parameter_names.push_back(column.name);
@@ -617,7 +633,8 @@ SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const 
 SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options) {
   if (source.holds())
     state_ = std::make_unique<Simulator<HeldContacts>>(
-        executor, source, options, HeldModel{source.sensors(), options.pad.cells, options.accept, options.precision});
+        executor, source, options,
+        HeldModel{source.sensors(), options.pad.cells, options.accept, options.precision, source.markers()});
   else
     state_ = std::make_unique<Simulator<PadContacts>>(executor, source, options, pad_model(source, options));
 }

@@ -74,8 +74,8 @@ void expect_same(const PadPath& path, const host::PadOutcome& outcome) {
   EXPECT_EQ(path.rung, outcome.rung.name);
   const auto& e = outcome.error.value().expected;
   const PadError& error = path.error.value();
-  EXPECT_EQ((std::array{error.S, error.P, error.Q, error.M, error.sigma, error.tau}),
-            (std::array{e.S, e.P, e.Q, e.M, e.sigma, e.tau}));
+  EXPECT_EQ((std::array{error.S, error.P, error.Q, error.M, error.sigma, error.tau, error.markers}),
+            (std::array{e.S, e.P, e.Q, e.M, e.sigma, e.tau, e.markers}));
   EXPECT_EQ(error.strain, outcome.error->strain);
   EXPECT_EQ(error.from, "24 x 24 cells");
   EXPECT_EQ(path.warnings, host::warnings(outcome));

@@ -307,6 +307,31 @@ class Sweeps(unittest.TestCase):
                 sweep.generate(2, accuracy=0.01)
 
 
+    def test_have_the_markers_of_the_program(self):
+        text = """[sweep]\ncontacts = 8\n[sensor]\nkind = "pad"\nthickness = 2\n[indenter]\nshape = "sphere"
+radius = { uniform = [4, 9] }\n[load]\nindentation = 0.2\ntangential = [[0.05, { uniform = [-0.1, 0.1] }]]
+[markers]\ncounts = [5, 3]\npitch = 0.6\ndepth = 0.2\n"""
+        with tempfile.TemporaryDirectory() as folder:
+            file, of_program = os.path.join(folder, "marked.toml"), os.path.join(folder, "marked.h5")
+            pathlib.Path(file).write_text(text, encoding="utf-8")
+            subprocess.run([PROGRAM, "generate", file, "--output", of_program, "--quiet"], check=True)
+            subprocess.run([PROGRAM, "check", of_program], check=True, stdout=subprocess.DEVNULL)
+            rows, there = tactel.Sweep(file).generate(), tactel.read_set(of_program)
+            self.assertEqual(rows.markers.shape, (len(rows), 15, 3))
+            np.testing.assert_array_equal(rows.markers, there.markers)
+            rows.save(os.path.join(folder, "saved.h5"))
+            self.assertTrue(pathlib.Path(folder, "saved.h5").read_bytes() == pathlib.Path(of_program).read_bytes())
+            with h5py.File(of_program) as saved:
+                self.assertEqual([along[0].name for along in saved["markers"].dims], ["/row", "/displacement"])
+                np.testing.assert_array_equal(saved["markers"][:].reshape(-1, 15, 3), rows.markers)
+            scene = tactel.Sweep(file).scene(3)
+            self.assertEqual(scene.markers, tactel.Markers((5, 3), 0.6, 0.2))
+            path, own = tactel.solve(scene, precision="fp32"), rows.contact == 3
+            far = np.abs(path.markers).max()
+            np.testing.assert_allclose(rows.markers[own], path.markers[rows.step[own]], atol=0.005 * far)
+        self.assertEqual(tactel.Sweep(ROOT / "examples/pad_spheres.toml").generate(1).markers.shape[1:], (0, 3))
+
+
 class Networks(unittest.TestCase):
     def test_networks_with_features_answer_mirror_images_alike(self):
         rows = tactel.Sweep(ROOT / "examples/pad_spheres.toml").generate(20)

@@ -17,6 +17,7 @@
 #include "fem/numbers/angles.h"
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "host/contact/limits.h"
 #include "host/contact/pads/pad_contact_tables.h"
 #include "host/contact/pads/pad_search.h"
@@ -53,12 +54,26 @@ struct OnCells {
 
 fem::SoftObject object_of(const fem::PadScene& scene) { return fem::soft_object(scene.sensor, scene.indenter); }
 
+/// Depth of markers over H; 0: none.
+double marker_depth(const fem::PadScene& scene) {
+  return scene.markers ? scene.markers->depth / scene.sensor.thickness : 0;
+}
+
 /// Whether the twin searches the contact: pad_search.cl knows flat skins of one layer.
 bool searched_by_twin(const fem::PadSensor& sensor) { return sensor.curvature_radius || !sensor.layers.empty(); }
 
 /// What scenes share a table by.
 using TableKey = std::tuple<fem::Rubber, PadCellSize, fem::SoftObject>;
 TableKey table_key(const OnCells& on) { return {fem::rubber(on.scene.sensor), on.size, object_of(on.scene)}; }
+
+/// Gauss's points of a side in so many equal parts.
+std::vector<fem::PadLayer::Share> gauss_points(int parts) {
+  std::vector<fem::PadLayer::Share> all;
+  for (int k = 0; k < parts; ++k)
+    for (const double at : {-0.5 / std::numbers::sqrt3, 0.5 / std::numbers::sqrt3})
+      all.push_back({at / parts + (k - (parts - 1) / 2.0) / parts, 0.5 / parts});
+  return all;
+}
 
 /// Frame of the cells on the pad.
 double frame_of(const OnCells& of) { return fem::radians(of.cells.frame(of.scene.indenter)); }
@@ -224,12 +239,14 @@ struct PadContact<Real>::State {
   Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes, std::size_t width);
   LaneArray<Real> softs(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> heights(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
-  LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes, int stress_rows,
-                         std::vector<Real>& stress_tables, std::vector<Real>& shares);
+  void take_places(const Laid& b, Sums& sums);
+  void take_points(const Laid& b, const Eigen::MatrixX2d& places, const std::vector<double>& weights, Sums& sums) const;
   int stress_rows(const std::vector<OnCells>& on_cells);
-  void take_tactels(Laid& b) const;
+  void take_stress(Laid& b);
+  void take_markers(Laid& b);
+  std::vector<double> marker_table(double poisson, double depth);
   Launch contact_launch(const Laid& b, int vectors, std::size_t first);
-  Launch stress_launch(const Laid& b, int vectors);
+  Launch sums_launch(const Laid& b, const Sums& sums, int vectors);
   void bind_sides(const Laid& b, KernelArguments& kernel) const;
   Launch side_stress_launch(const Laid& b);
   void put_free_jobs(Laid& b);
@@ -243,7 +260,21 @@ struct PadContact<Real>::State {
   std::map<std::pair<int, bool>, std::unique_ptr<Program>> programs;    ///< by vectors, or own_tables; with a map
   std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
   PadSideTables<Real> side_tables;
-  std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
+  std::map<std::pair<double, double>, std::vector<double>> marker_tables;  ///< by Poisson's ratio and depth over H
+  std::vector<std::shared_ptr<const PadTables>> points;                    ///< of polynomials in Poisson's ratio
+};
+
+/// What a launch of pad_base_stress sums at places on the pad: the stress under tactels, or displacements of markers.
+template <class Real>
+struct PadContact<Real>::Sums {
+  std::function<std::vector<double>(const fem::Rubber&)> table;
+  std::function<std::vector<fem::PadLayer::Share>(double side, double soft_thickness)> points_of;  ///< of a cell
+  std::function<double(const fem::PadSensor&)> unit;
+  int rows = 0, rows_a_thickness = 0;  ///< of a table
+  int count = 0, parts = 0, from = 0;  ///< places; points of each; their first number in the outputs
+  std::size_t groups = 0;
+  Buffer<Real> tables, shares, points, weights;
+  LaneArray<Real> places;
 };
 
 /// What a batch has besides the lanes' arrays.
@@ -251,13 +282,11 @@ template <class Real>
 struct PadContact<Real>::Laid : LaneState<Real> {
   std::shared_ptr<State> contact;
   std::vector<OnCells> on_cells;  ///< [scenes]
-  std::size_t stress_groups = 0;
-  int tactels = 0, parts = 0;  ///< of the sensor; points of a tactel
-  int stress_rows = 0;
-  bool mapped = false;  ///< some scene has a map of friction
-  Buffer<Real> tables, own_tables, stress_tables, shares, points, weights;
+  bool mapped = false;            ///< some scene has a map of friction
+  Sums stress, markers;
+  Buffer<Real> tables, own_tables;
   Buffer<std::int32_t> table_of_group;
-  LaneArray<Real> heights, places, cell_forces;
+  LaneArray<Real> heights, cell_forces;
   // With free sides:
   bool free = false;
   Buffer<Real> between, responses;
@@ -276,6 +305,9 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
     throw std::invalid_argument("PadContact: scenes with different tactels in one batch");
   if (free_block(sensor) != free_block(first))
     throw std::invalid_argument("PadContact: scenes with different free sides in one batch");
+  if (!all_.empty() &&
+      (scene.markers != all_.front().scene.markers || marker_depth(scene) != marker_depth(all_.front().scene)))
+    throw std::invalid_argument("PadContact: scenes with different markers in one batch");
   all_.push_back({scene, std::move(path), cells});
 }
 
@@ -492,74 +524,121 @@ int PadContact<Real>::State::stress_rows(const std::vector<OnCells>& on_cells) {
   return rows;
 }
 
-/// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios,
-/// `shares` the points of their cells.
+/// Where the cells of each lane lie, for sums; with them the tables of the rubbers, and the points of the cells.
 template <class Real>
-LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                                                int stress_rows, std::vector<Real>& stress_tables,
-                                                std::vector<Real>& shares) {
-  LaneArray<Real> array(device(), lanes.lanes, 1, 1, PAD_PLACE_ROWS);
+void PadContact<Real>::State::take_places(const Laid& b, Sums& sums) {
+  LaneArray<Real> array(device(), b.lanes, 1, 1, PAD_PLACE_ROWS);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
+  std::vector<Real> numbers_of_tables, shares;
   std::map<fem::Rubber, std::size_t> rows;
-  const bool free = !on_cells.empty() && on_cells.front().sides.kernel;
   using Side = std::pair<double, double>;                      // of a cell, and PadLayer::soft_thickness, over H
   std::map<Side, std::pair<std::size_t, std::size_t>> points;  // first, number
   const auto points_of = [&](double side, double soft_thickness) {
     const auto [at, is_new] = points.try_emplace({side, soft_thickness});
     if (!is_new) return at->second;
-    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side / soft_thickness);
-    const int uniform = free ? static_cast<int>(std::ceil(side / uniform_part)) : all.size() == 1 ? 1 : 0;
-    if (uniform > 0) all.clear();
-    for (int k = 0; k < uniform; ++k)  // Gauss's points
-      for (const double at : {-0.5 / std::numbers::sqrt3, 0.5 / std::numbers::sqrt3})
-        all.push_back({at / uniform + (k - (uniform - 1) / 2.0) / uniform, 0.5 / uniform});
+    const std::vector<fem::PadLayer::Share> all = sums.points_of(side, soft_thickness);
     at->second = {shares.size() / 2, all.size()};
     for (const auto& [place, share] : all)
       shares.insert(shares.end(), {static_cast<Real>(place), static_cast<Real>(share)});
     return at->second;
   };
-  for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size] = std::tie(on_cells[i].scene, on_cells[i].cells, on_cells[i].size);
+  for (const std::size_t i : b.order) {
+    const auto& [scene, cells, size] = std::tie(b.on_cells[i].scene, b.on_cells[i].cells, b.on_cells[i].size);
     const fem::Rubber rubber = fem::rubber(scene.sensor);
-    const auto [row, is_new] = rows.try_emplace(rubber, rows.size() * static_cast<std::size_t>(stress_rows));
+    const auto [row, is_new] = rows.try_emplace(rubber, rows.size() * static_cast<std::size_t>(sums.rows));
     if (is_new) {
-      for (const double number : tables(rubber)->stress()) stress_tables.push_back(static_cast<Real>(number));
-      stress_tables.resize(rows.size() * static_cast<std::size_t>(stress_rows) * PAD_BLOCK);
+      for (const double number : sums.table(rubber)) numbers_of_tables.push_back(static_cast<Real>(number));
+      numbers_of_tables.resize(rows.size() * static_cast<std::size_t>(sums.rows) * PAD_BLOCK);
     }
     const double soft_thickness = rubber.layers.empty() ? 1 : tables(rubber)->layer()->soft_thickness();
-    const double H = scene.sensor.thickness, yaw = frame_of(on_cells[i]);
+    const double H = scene.sensor.thickness, yaw = frame_of(b.on_cells[i]);
     double place[PAD_PLACE_ROWS] = {};
     place[PAD_PLACE_X] = scene.indenter.position[0] / H, place[PAD_PLACE_Y] = scene.indenter.position[1] / H;
     place[PAD_PLACE_COSINE] = std::cos(yaw), place[PAD_PLACE_SINE] = std::sin(yaw);
     place[PAD_PLACE_X_MIDDLE] = cells.x_middle / H, place[PAD_PLACE_Y_MIDDLE] = cells.y_middle / H;
     place[PAD_PLACE_HX] = cells.hx / H, place[PAD_PLACE_HY] = cells.hy / H;
-    place[PAD_PLACE_THICKNESS] = 1 / H, place[PAD_PLACE_STRESS] = 1 / (2 * std::numbers::pi * H * H);
+    place[PAD_PLACE_THICKNESS] = 1 / H, place[PAD_PLACE_STRESS] = sums.unit(scene.sensor);
     const auto [first_x, count_x] = points_of(size.hx, soft_thickness);
     const auto [first_y, count_y] = points_of(size.hy, soft_thickness);
     place[PAD_PLACE_SHARES_X] = static_cast<double>(first_x), place[PAD_PLACE_COUNT_X] = static_cast<double>(count_x);
     place[PAD_PLACE_SHARES_Y] = static_cast<double>(first_y), place[PAD_PLACE_COUNT_Y] = static_cast<double>(count_y);
-    place[PAD_PLACE_STEPS] = lanes.scenes[i].steps, place[PAD_PLACE_LAYER] = static_cast<double>(row->second);
+    place[PAD_PLACE_STEPS] = b.scenes[i].steps, place[PAD_PLACE_LAYER] = static_cast<double>(row->second);
     const std::vector<Real> numbers(std::begin(place), std::end(place));
-    array.put(all.view(), lanes.place[i], std::span(numbers));
+    array.put(all.view(), b.place[i], std::span(numbers));
   }
-  return array;
+  sums.places = array;
+  sums.tables = buffer_of(device(), std::move(numbers_of_tables)), sums.shares = buffer_of(device(), std::move(shares));
 }
 
-/// The points of the tactels, [blocks of lanes][points of a tactel][x, y][lane].
+/// The points of places, [blocks of lanes][points of a place][x, y][lane].
 template <class Real>
-void PadContact<Real>::State::take_tactels(Laid& b) const {
-  const TactelPoints points(b.on_cells.front().scene.sensor);
-  b.parts = static_cast<int>(points.weights.size());
-  b.tactels = static_cast<int>(points.places.rows()) / b.parts;
-  LaneArray<Real> array(device(), (b.tactels + width() - 1) / width() * width(), width(), b.parts, 2);
+void PadContact<Real>::State::take_points(const Laid& b, const Eigen::MatrixX2d& places,
+                                          const std::vector<double>& weights, Sums& sums) const {
+  sums.parts = static_cast<int>(weights.size());
+  sums.count = static_cast<int>(places.rows()) / sums.parts;
+  const std::size_t blocks = (static_cast<std::size_t>(sums.count) + width() - 1) / width();
+  LaneArray<Real> array(device(), blocks * width(), width(), sums.parts, 2);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));
-  for (Eigen::Index k = 0; k < points.places.rows(); ++k)
+  for (Eigen::Index k = 0; k < places.rows(); ++k)
     for (std::size_t axis = 0; axis < 2; ++axis)
-      all[array.at(k / b.parts, k % b.parts, axis)] = static_cast<Real>(points.places(k, axis));
-  b.points = array.numbers;
-  b.weights = buffer_of(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
+      all[array.at(k / sums.parts, k % sums.parts, axis)] = static_cast<Real>(places(k, axis));
+  sums.points = array.numbers;
+  sums.weights = buffer_of(device(), std::vector<Real>(weights.begin(), weights.end()));
+  sums.groups = b.lanes * blocks;
+}
+
+template <class Real>
+void PadContact<Real>::State::take_stress(Laid& b) {
+  b.stress.rows = stress_rows(b.on_cells), b.stress.rows_a_thickness = PadTables::stress_rows_a_thickness;
+  b.stress.table = [this](const fem::Rubber& rubber) { return tables(rubber)->stress(); };
+  b.stress.points_of = [free = b.free](double side, double soft_thickness) {
+    const std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side / soft_thickness);
+    if (free) return gauss_points(static_cast<int>(std::ceil(side / uniform_part)));
+    return all.size() == 1 ? gauss_points(1) : all;
+  };
+  b.stress.unit = [](const fem::PadSensor& pad) { return 1 / (2 * std::numbers::pi * pad.thickness * pad.thickness); };
+  take_places(b, b.stress);
+  const TactelPoints points(b.on_cells.front().scene.sensor);
+  take_points(b, points.places, points.weights, b.stress);
+}
+
+/// Displacements of the scenes' markers, behind the stresses of the tactels. A part of a cell has Gauss's points as
+/// near to each other as the markers are to the surface: so sums miss 0.5 % of the largest.
+template <class Real>
+void PadContact<Real>::State::take_markers(Laid& b) {
+  const fem::PadScene& scene = b.on_cells.front().scene;
+  if (!scene.markers) return;
+  const double depth = marker_depth(scene);
+  b.markers.from = 3 * b.stress.count;
+  b.markers.rows_a_thickness = marker_rows_a_thickness(depth), b.markers.rows = marker_rows(depth);
+  b.markers.table = [this, depth](const fem::Rubber& rubber) { return marker_table(rubber.poisson, depth); };
+  b.markers.points_of = [depth](double side, double) {
+    constexpr int most = 4;
+    std::vector<fem::PadLayer::Share> all;
+    const double width = 1.0 / fem::PadLayer::parts(side);
+    const int parts = std::clamp(static_cast<int>(std::ceil(width * side / (3 * depth))), 1, most);
+    for (const auto& part : fem::PadLayer::shares(side))
+      for (const auto& point : gauss_points(parts))
+        all.push_back({part.place + width * point.place, part.share * point.share});
+    return all;
+  };
+  b.markers.unit = [](const fem::PadSensor& pad) { return 1 / (pad.young * pad.thickness); };
+  take_places(b, b.markers);
+  const auto places = fem::marker_places(*scene.markers);
+  take_points(b, Eigen::Map<const Eigen::Matrix2Xd>(places.front().data(), 2, std::ssize(places)).transpose(), {1},
+              b.markers);
+}
+
+template <class Real>
+std::vector<double> PadContact<Real>::State::marker_table(double poisson, double depth) {
+  constexpr std::size_t most = 64;
+  const std::lock_guard lock(making);
+  if (marker_tables.size() >= most) marker_tables.clear();
+  auto& table = marker_tables[{poisson, depth}];
+  if (table.empty()) table = displacement_table(poisson, depth);
+  return table;
 }
 
 template <class Real>
@@ -593,18 +672,20 @@ Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::
 }
 
 template <class Real>
-Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
+Launch PadContact<Real>::State::sums_launch(const Laid& b, const Sums& sums, int vectors) {
   return executor.prepare(program(vectors, b.mapped), "pad_base_stress", [&](KernelArguments& kernel) {
-    kernel.set("layer", b.stress_tables);
-    kernel.set("layer_rows", std::int32_t(b.stress_rows));
-    kernel.set("rows_a_thickness", Real(PadTables::stress_rows_a_thickness));
-    kernel.set("places", b.places.numbers);
-    kernel.set("shares", b.shares);
-    kernel.set("points", b.points);
-    kernel.set("weights", b.weights);
-    kernel.set("parts", std::int32_t(b.parts));
-    kernel.set("tactels", std::int32_t(b.tactels));
+    kernel.set("layer", sums.tables);
+    kernel.set("layer_rows", std::int32_t(sums.rows));
+    kernel.set("rows_a_thickness", Real(sums.rows_a_thickness));
+    kernel.set("places", sums.places.numbers);
+    kernel.set("shares", sums.shares);
+    kernel.set("points", sums.points);
+    kernel.set("weights", sums.weights);
+    kernel.set("parts", std::int32_t(sums.parts));
+    kernel.set("tactels", std::int32_t(sums.count));
     kernel.set("slots", std::int32_t(b.steps));
+    kernel.set("numbers", std::int32_t(b.outputs.rows));
+    kernel.set("from", std::int32_t(sums.from));
     kernel.set("forces", b.cell_forces.numbers);
     kernel.set("stress", b.outputs.numbers);
   });
@@ -625,8 +706,8 @@ Launch PadContact<Real>::State::side_stress_launch(const Laid& b) {
     kernel.set("response_of", b.response_of);
     bind_sides(b, kernel);
     kernel.set("lane_input", b.input.numbers);
-    kernel.set("places", b.places.numbers);
-    kernel.set("tactels", std::int32_t(b.tactels));
+    kernel.set("places", b.stress.places.numbers);
+    kernel.set("tactels", std::int32_t(b.stress.count));
     kernel.set("slots", std::int32_t(b.steps));
     kernel.set("forces", b.cell_forces.numbers);
     kernel.set("stress", b.outputs.numbers);
@@ -660,7 +741,7 @@ void PadContact<Real>::State::put_free_jobs(Laid& b) {
   };
   for (std::size_t first = 0; first < b.lanes; first += at_once)
     b.rounds.push_back({{contact_launch(b, free_sides, first), std::min(at_once, b.lanes - first)}});
-  b.rounds.push_back({{stress_launch(b, own_tables), b.stress_groups}});
+  b.rounds.push_back({{sums_launch(b, b.stress, own_tables), b.stress.groups}});
   b.rounds.push_back({{side_stress_launch(b), b.lanes}});
 }
 
@@ -670,7 +751,9 @@ void PadContact<Real>::State::put_held_jobs(Laid& b, const PadLanes& lanes) {
   if (lanes.own_groups > 0)  // first, for they take longer
     jobs.push_back({contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
   if (lanes.groups > 0) jobs.push_back({contact_launch(b, lanes.vectors, 0), lanes.groups});
-  b.rounds.push_back({{stress_launch(b, lanes.own_groups > 0 ? own_tables : lanes.vectors), b.stress_groups}});
+  const int vectors = lanes.own_groups > 0 ? own_tables : lanes.vectors;
+  b.rounds.push_back({{sums_launch(b, b.stress, vectors), b.stress.groups}});
+  if (b.markers.count > 0) b.rounds.back().push_back({sums_launch(b, b.markers, vectors), b.markers.groups});
 }
 
 template <class Real>
@@ -694,9 +777,10 @@ std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(const fem::Rubber& 
 }
 
 template <class Real>
-std::size_t PadContact<Real>::most_lane_steps() const {
+std::size_t PadContact<Real>::most_lane_steps(const Scenes& scenes) const {
   constexpr std::size_t most_numbers = std::size_t{1} << 25, most_with_responses = 4096;
-  const std::size_t most = most_numbers / (3 * state_->count());
+  const std::size_t markers = scenes.all_.empty() ? 0 : fem::marker_count(scenes.all_.front().scene.markers);
+  const std::size_t most = most_numbers / (3 * std::max(state_->count(), markers));
   return long_pads_ ? std::min(most, most_with_responses) : most;
 }
 
@@ -739,20 +823,16 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.own_tables = s.tables_of_lanes(b.on_cells, lanes, width);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
-  std::vector<Real> stress_tables, shares;
-  b.stress_rows = s.stress_rows(b.on_cells);
-  b.places = s.places(b.on_cells, b, b.stress_rows, stress_tables, shares);
-  b.stress_tables = buffer_of(s.device(), std::move(stress_tables));
-  b.shares = buffer_of(s.device(), std::move(shares));
-  s.take_tactels(b);
+  s.take_stress(b);
+  s.take_markers(b);
 
   const auto outputs = [&](std::size_t rows, bool written = true) {
     return LaneArray<Real>(s.device(), written ? b.lanes : 0, 1, b.steps, rows);
   };
   b.cell_forces = outputs(3 * s.count());
-  b.results = outputs(PAD_RESULT_ROWS), b.outputs = outputs(3 * static_cast<std::size_t>(b.tactels));
+  b.results = outputs(PAD_RESULT_ROWS),
+  b.outputs = outputs(3 * static_cast<std::size_t>(b.stress.count + b.markers.count));
   b.forces = forces ? b.cell_forces : outputs(0, false), b.patches = outputs(0, false);
-  b.stress_groups = b.lanes * ((b.tactels + s.width() - 1) / s.width());
   b.free ? s.put_free_jobs(b) : s.put_held_jobs(b, lanes);
   if (!forces) b.on_cells.clear();
   return Batch(std::move(laid));
@@ -773,7 +853,7 @@ void PadContact<Real>::Batch::set_parts(bool base_stress) {
       const std::string& kernel = job.launch.kernel();
       if (kernel == "pad_contact" || kernel == "pad_free_contact")
         job.launch.set("write_forces", std::int32_t(base_stress));
-      if (kernel == "pad_base_stress") job.groups = base_stress ? laid_->stress_groups : 0;
+      if (kernel == "pad_base_stress") job.groups = base_stress ? laid_->stress.groups : 0;
       if (kernel == "pad_side_stress") job.groups = base_stress ? laid_->lanes : 0;
     }
 }
@@ -806,7 +886,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
     solution.places.row(k) = (turn * Eigen::Vector2d(cells.x(k / cells.n), cells.y(k % cells.n))).transpose() +
                              Eigen::RowVector2d(scene.indenter.position[0], scene.indenter.position[1]);
   const Eigen::VectorXd mu = fem::friction_on_cells(cells, scene);
-  std::vector<double> stress(3 * static_cast<std::size_t>(laid_->tactels));
+  std::vector<double> numbers(laid_->outputs.rows);
   for (int k = 0; k < answer.steps; ++k) {
     const auto result = [&](int row) { return answer.result(k, row); };
     const auto forces = [&](Eigen::Index part) {
@@ -827,8 +907,13 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
                                                                      : fem::GapStatus::slip);
     }
     step.tangential_force = own * turn.transpose();
-    if (solvable) answer.tactels(k, std::span(stress));
-    step.stress = Eigen::Map<const Eigen::MatrixX3d>(stress.data(), laid_->tactels, 3);
+    if (solvable) answer.tactels(k, std::span(numbers));
+    step.stress = Eigen::Map<const Eigen::MatrixX3d>(numbers.data(), laid_->stress.count, 3);
+    if (laid_->markers.count > 0) {
+      const double* const z = numbers.data() + laid_->markers.from;  // then x, then y
+      const Eigen::Map<const Eigen::MatrixX3d> zxy(z, laid_->markers.count, 3);
+      step.markers.resize(zxy.rows(), 3), step.markers << zxy.rightCols<2>(), zxy.col(0);
+    }
     step.converged = step.converged && step.stress.allFinite();
     solution.steps.push_back(std::move(step));
   }

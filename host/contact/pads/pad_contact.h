@@ -31,12 +31,13 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
 
 /// Contact of scenes on pads, each on its own cells over what its indenter touches; a scene whose cells are not
 /// fem::solvable, or that reaches_beyond_block (limits.h), gets LANE_INVALID. Sensors may differ in thickness,
-/// E and Poisson's ratio, not in their tactels; with free sides in E alone. Scenes whose cells have one size over the
-/// thickness, and one Poisson's ratio, share a group; others have tables of their own, and all with free sides. Tables
-/// and programs for one precision. Cheap to copy.
+/// E and Poisson's ratio, not in their tactels, and markers over the thickness; with free sides in E alone. Scenes
+/// whose cells have one size over the thickness, and one Poisson's ratio, share a group; others have tables of their
+/// own, and all with free sides. Tables and programs for one precision. Cheap to copy.
 template <class Real>
 class PadContact {
   struct State;
+  struct Sums;
   struct Laid;
 
  public:
@@ -88,8 +89,8 @@ class PadContact {
   Executor& executor() const;
   /// Returns the layer of a rubber.
   std::shared_ptr<const fem::PadLayer> layer(const fem::Rubber& rubber) const;
-  /// Load steps of a launch, at most: some 130 MB of forces.
-  std::size_t most_lane_steps() const;
+  /// Load steps of a launch of such scenes, at most: some 130 MB of forces, and of displacements of markers.
+  std::size_t most_lane_steps(const Scenes& scenes) const;
   /// Returns the same with fewer load steps a launch, for pads whose block is not the same everywhere: each scene has
   /// its own responses, some 0.3 MB.
   PadContact for_long_pads() const;

@@ -9,7 +9,9 @@
 #include "fem/layer/legendre_points.h"
 #include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_solver.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
@@ -18,6 +20,8 @@ namespace {
 /// Tables that are kept: scenes of a sensor meet some 160 of the ladder, and some 400 around sizes between its rungs.
 /// One has 30 kB at 24 cells.
 constexpr std::size_t most_kept_numbers = std::size_t{1} << 22;
+
+constexpr int marker_farthest = 12;  ///< H: beyond, displacements are below 1e-4 of those beneath a force
 
 /// To 1e-12; finer where a side is so small that a rounded rung would no longer lie on its rung.
 double rounded_side(double side, double thickness) {
@@ -58,13 +62,14 @@ std::array<double, PAD_OWN_INFLUENCE> units(double root_zz, double root_tt) {
   return units;
 }
 
-std::vector<double> stress_table(const fem::PadLayer& layer) {
-  const int rows = PadTables::stress_rows_of(layer);
+/// Quadratics of five functions of rho, which are 0 from the last row on.
+template <class Functions>
+std::vector<double> quadratics(int rows, int rows_a_thickness, const Functions& at) {
+  using Values = Eigen::Array<double, 5, 1>;
   std::vector<double> table(static_cast<std::size_t>(rows) * PAD_BLOCK);
-  const double step = 1.0 / PadTables::stress_rows_a_thickness;
-  for (int row = 0; row + 1 < rows; ++row) {  // the last row is 0: beyond
-    const Eigen::Array<double, 5, 1> left = layer.stresses(row * step), middle = layer.stresses((row + 0.5) * step),
-                                     right = layer.stresses((row + 1) * step);
+  const double step = 1.0 / rows_a_thickness;
+  for (int row = 0; row + 1 < rows; ++row) {
+    const Values left = at(row * step), middle = at((row + 0.5) * step), right = at((row + 1) * step);
     for (int f = 0; f < 5; ++f) {
       double* c =
           &table[static_cast<std::size_t>(row) * PAD_BLOCK + static_cast<std::size_t>(f) * PAD_STRESS_COEFFICIENTS];
@@ -90,7 +95,8 @@ PadTables::PadTables(const fem::Rubber& rubber, int cells, bool exact, bool mean
       exact_(exact),
       means_(means),
       layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(rubber))),
-      stress_(stress_table(*layer_)) {}
+      stress_(quadratics(stress_rows_of(*layer_), stress_rows_a_thickness,
+                         [this](double rho) { return layer_->stresses(rho); })) {}
 
 PadTables::PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points)
     : rubber_{poisson}, cells_(points.front()->cells_), exact_(points.front()->exact_), points_(std::move(points)) {}
@@ -228,6 +234,18 @@ std::vector<double> PadTables::shared_influence(const PadCellSize& size, const f
           row[PAD_XY] *= sx * sy, row[PAD_XZ] *= sx, row[PAD_YZ] *= sy;
         }
   return table;
+}
+
+int marker_rows_a_thickness(double depth) { return std::clamp(static_cast<int>(std::ceil(6 / depth)), 32, 512); }
+int marker_rows(double depth) { return marker_farthest * marker_rows_a_thickness(depth) + 1; }
+
+std::vector<double> displacement_table(double poisson, double depth) {
+  const fem::LayerAtDepth layer(poisson, depth, marker_farthest, StopScope::checker());
+  const double side = 0.02 * depth;  // of a cell that acts as a point
+  return quadratics(marker_rows(depth), marker_rows_a_thickness(depth), [&](double rho) {
+    const Eigen::Matrix3d u = layer.displacement(side, side, rho, 0) / (side * side);
+    return Eigen::Array<double, 5, 1>(u(2, 2), (u(0, 0) + u(1, 1)) / 2, (u(1, 1) - u(0, 0)) / 2, -u(0, 2), -u(2, 0));
+  });
 }
 
 int TactelPoints::along(const fem::PadSensor& sensor) {

@@ -68,6 +68,13 @@ class PadTables {
   mutable std::map<PadCellSize, std::shared_ptr<const std::vector<double>>> influence_;  ///< of the ladder
 };
 
+/// Rows of a table of displacements at a depth over H, for each H, and of all: some six within the depth.
+int marker_rows_a_thickness(double depth);
+int marker_rows(double depth);
+/// Returns displacements below the surface of a layer by forces on it, E = H = 1, as PadTables::stress has base
+/// stresses: u_z in place of sigma_z, u_x, u_y in place of tau_x, tau_y. [marker_rows][PAD_BLOCK]
+std::vector<double> displacement_table(double poisson, double depth);
+
 /// Points at which the base stress is computed.
 struct TactelPoints {
   explicit TactelPoints(const fem::PadSensor& sensor);

@@ -378,7 +378,7 @@ void PadStepper<Real>::State::make_tables(const PairInfluence& pairs) {
   }
   prepare(stresses, stress);
   if (!options.markers) return;
-  const Eigen::MatrixXd of_markers = fem::marker_rows(*options.markers, alone, cells);
+  const Eigen::MatrixXd of_markers = fem::marker_rows(*options.markers, alone, cells, StopScope::checker());
   SumBlocks displacement(static_cast<std::size_t>(of_markers.rows()), cell_count());
   put(displacement, of_markers);
   prepare(displacements, displacement);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "host/contact/limits.h"
 #include "host/contact/pads/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
@@ -54,6 +55,7 @@ fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& s
     fem::PadSolution finer = fem::PadSolver(*layer, exact).solve(scene);
     if (every_step_converged(finer)) solution = std::move(finer);
   }
+  fem::see_markers(scene, solution, StopScope::checker());
   solution.fell_back = true;
   return solution;
 }
@@ -90,6 +92,12 @@ PadContacts::PadContacts(Executor& executor, const PadModel& model)
 
 PadKey PadContacts::key(const fem::PadSensor& s, ContactKind) {
   return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s), free_block(s)}};
+}
+
+PadKey PadContacts::key(const fem::PadScene& scene) {
+  PadKey key = PadContacts::key(scene.sensor, {});
+  if (scene.markers) key.markers = {scene.markers->depth / scene.sensor.thickness, fem::marker_places(*scene.markers)};
+  return key;
 }
 
 std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::PadSensor& sensor) const {

@@ -21,9 +21,11 @@ struct PadModel {
 };
 PadModel model_of(const PadRung& rung);
 
-/// What scenes of one launch have in common: the tactels, how many points make one, and free_block.
+/// What scenes of one launch have in common: the tactels, how many points make one, and free_block; where their
+/// markers lie, over the thickness.
 struct PadKey {
   std::tuple<std::array<int, 2>, std::array<double, 2>, double, int, std::array<double, 4>> sensor{};
+  std::pair<double, std::vector<std::array<double, 2>>> markers{};
   auto operator<=>(const PadKey&) const = default;
 };
 
@@ -39,7 +41,7 @@ class PadContacts {
 
   PadContacts(Executor& executor, const PadModel& model);
   static Key key(const Sensor& sensor, ContactKind);
-  static Key key(const Scene& scene) { return key(scene.sensor, {}); }
+  static Key key(const Scene& scene);
   static Path path(const Scene& scene) {
     fem::refuse_creep(scene.sensor), fem::refuse_friction_map(scene);
     return {fem::pad_targets(scene.load)};

@@ -160,6 +160,45 @@ TEST(PadMarkers, RestAtTheBase) {
   }
 }
 
+// A punch that leans along its own tilt_direction leans as one that is turned.
+TEST(PadMarkers, FollowAPunchThatLeans) {
+  const auto moved = [](double yaw, double direction) {
+    PadScene scene;
+    scene.sensor.thickness = 2, scene.sensor.poisson = 0.45;
+    scene.indenter.shape = Punch{.radius = 1.5, .edge = 1};
+    scene.indenter.tilt = 2, scene.indenter.yaw = yaw, scene.indenter.tilt_direction = direction;
+    scene.load.indentation = {0.1};
+    scene.markers = Markers{.counts = {4, 3}, .pitch = {0.6, 0.7}, .depth = 0.3};
+    PadSolution solution = PadSolver(PadLayer(0.45), {.cells = 8}).solve(scene);
+    see_markers(scene, solution);
+    return solution.steps.back().markers;
+  };
+  const Eigen::MatrixX3d turned = moved(70, 0);
+  EXPECT_GT(turned.cwiseAbs().maxCoeff(), 0.05);
+  EXPECT_LT((moved(0, 70) - turned).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(PadMarkers, EndWhereAsked) {
+  struct Ended {};
+  PadScene scene;
+  scene.sensor.thickness = 2;
+  PadCells cells;
+  cells.n = 4, cells.hx = cells.hy = 0.2;
+  const Markers markers{.counts = {5, 4}, .pitch = {0.3, 0.3}, .depth = 0.2};
+  int calls = 0;
+  (void)marker_rows(markers, scene, cells, [&] { ++calls; });
+  EXPECT_GT(calls, 20 + 100);  // for every marker, and while the layer is made
+  for (const int last : {1, 90, calls}) {
+    calls = 0;
+    EXPECT_THROW((void)marker_rows(markers, scene, cells,
+                                   [&] {
+                                     if (++calls == last) throw Ended();
+                                   }),
+                 Ended);
+    EXPECT_EQ(calls, last);
+  }
+}
+
 TEST(PadMarkers, ACameraSeesWhatComesNearerFartherOut) {
   const Markers markers{.counts = {2, 1}, .pitch = {4, 1}};
   Eigen::MatrixX3d u(2, 3);

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "fem/numbers/angles.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "host/answers/answer_forms.h"
 #include "host/answers/solve.h"
@@ -296,6 +297,25 @@ TEST(PadJudge, JsonAndTableHaveAllErrors) {
   EXPECT_THAT(
       answer_table(outcome),
       HasSubstr(fmt::format("error in S to expect: {:.2g} (beside 24 x 24 cells)\n  P {:.2g} %, ", e.S, 100 * e.P)));
+}
+
+// Beside the reference, whose own error is a tenth of that of pad-8.
+TEST(PadJudge, StatesTheErrorOfMarkers) {
+  fem::PadScene scene = scene_of(2, 0.45, 0.5, turned(fem::Sphere{6}, 0), 0.2, {{0.05, 0.02, 0}, {0.1, 0.1, 0}});
+  scene.markers = Markers{.counts = {7, 5}, .pitch = {0.4, 0.5}, .depth = 0.15};
+  const fem::PadReferenceSolution truth =
+      fem::PadReference(fem::pad_layer(scene), fem::pad_reference_options(32)).solve(scene);
+  for (const char* rung : {"pad-8", "pad-12"}) {
+    const PadOutcome outcome = by_twin(scene, rung);
+    const double off = fem::pad_difference(outcome.solution, truth.solution).markers,
+                 said = outcome.error.value().expected.markers;
+    EXPECT_GT(off, 0.002) << rung;
+    EXPECT_GE(said, off - truth.error.markers) << rung;
+    EXPECT_LE(said, 4 * off + 0.005) << rung;
+    EXPECT_EQ(to_json(outcome)["discretisation_error"]["markers"], said);
+  }
+  scene.markers.reset();
+  EXPECT_FALSE(to_json(by_twin(scene, "pad-8"))["discretisation_error"].contains("markers"));
 }
 
 // A gentle drag: pad-8 keeps 0.02, as a second solution on 16 x 16 cells says. The difference from pad-24 shows it.

@@ -242,8 +242,6 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("{ rms = ..., length = ... }")));
   EXPECT_THAT(message_of<PadSource>(rubber + "young = 1\n[load]\nnormal_force = 2\n[load.hold]\n"),
               AllOf(HasSubstr("indenter.young"), HasSubstr("left out with [load.hold]")));
-  EXPECT_THAT(message_of<PadSource>(head + "[markers]\ndepth = 0.1\n"),
-              AllOf(HasSubstr("markers"), HasSubstr("left out of sweeps")));
   for (const char* map : {"[[0.5]]", "[[{ uniform = [0.1, 0.5] }]]"})
     EXPECT_THAT(message_of<PadSource>(head + "[contact]\nfriction_pitch = 1\nfriction_map = " + map + "\n"),
                 AllOf(HasSubstr("contact.friction_map"), HasSubstr("left out of sweeps")));

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "fem/pad/pad_markers.h"
 #include "host/scenes/scene_source.h"
 #include "host/support/errors.h"
 #include "tests/host/scenes/sweep_text.h"
@@ -180,6 +181,38 @@ TEST(PadSource, SharedSensorsAreDrawnOnce) {
   std::set<double> poissons;
   for (std::uint64_t k = 0; k < 200; ++k) poissons.insert(sweep.contact(k).scene.sensor.poisson);
   EXPECT_EQ(poissons.size(), 3u);
+}
+
+TEST(PadSource, ContactsShareTheirMarkers) {
+  const std::string markers = "[markers]\ncounts = [3, 2]\npitch = 0.5\ndepth = 0.1\n";
+  const PadSource sweep = pads(head + sensor + "young = { uniform = [1, 2] }\n" + sphere + press + markers);
+  EXPECT_EQ(sweep.markers(), (Markers{.counts = {3, 2}, .pitch = {0.5, 0.5}, .depth = 0.1}));
+  EXPECT_EQ(sweep.contact(7).scene.markers, sweep.markers());
+  EXPECT_FALSE(pads(head + sensor + sphere + press).markers());
+  const auto refused = [&](const std::string& of_pad, const std::string& keys) {
+    return message_of<PadSource>(head + of_pad + sphere + press + "[markers]\n" + keys);
+  };
+  EXPECT_THAT(refused("[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\n", ""),
+              AllOf(HasSubstr("markers"), HasSubstr("its own thickness"), HasSubstr("[sweep] sensors = n")));
+  EXPECT_THAT(refused(sensor, "[camera]\n"), AllOf(HasSubstr("camera"), HasSubstr("left out of sweeps")));
+  EXPECT_THAT(refused(sensor, "depth = 0.03\n"),
+              HasSubstr("markers.depth = 0.03: must be a fiftieth of sensor.thickness or more in sweeps"));
+  EXPECT_THAT(refused(sensor, "depth = { uniform = [0.1, 0.2] }\n"), HasSubstr("markers.depth"));
+}
+
+/// The numbers of a file of places are inputs of a set, as those of measured profiles.
+TEST(PadSource, PlacesOfMarkersCount) {
+  const ScratchFolder folder;
+  const auto file = folder.write("sweep.toml", head + sensor + sphere + press + "[markers]\nplaces = \"dots.csv\"\n");
+  const auto of = [&](const char* places) {
+    folder.write("dots.csv", places);
+    return PadSource::read(file);
+  };
+  const PadSource two = of("0,1\n0.5,2\n"), other = of("0,1\n0.5,2.1\n");
+  EXPECT_EQ(fem::marker_count(two.markers()), 2u);
+  ASSERT_EQ(two.files().size(), 1u);
+  EXPECT_EQ(two.files()[0].first, "dots.csv");
+  EXPECT_NE(two.files()[0].second, other.files()[0].second);
 }
 
 TEST(PadSource, ErrorsNameTheKey) {

@@ -89,6 +89,32 @@ void HoldSet::expect_rows_of_the_stepper(const std::string& creep, const std::st
   EXPECT_GT(set.slip_path[39], 0.01);
 }
 
+/// Markers move as tractions of the stepper's cells say, at the same motions.
+TEST_F(HoldSet, MarkersAreThoseOfTheStepper) {
+  std::string held = rubber;
+  held.replace(held.find("free"), 4, "held");
+  const PadSource grips = source(
+      sweep(2, "press_rows = true\n") + held + face +
+      "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nframes = 12\npress = 4\n[markers]\ncounts = "
+      "[3, 2]\npitch = [4, 6]\ndepth = 0.5\n");
+  const ContactSet set = simulate(grips);
+  ASSERT_EQ(set.marker_numbers, 18);
+  StepOptions options{.cells = 8, .cell = 18.8 / 8};
+  options.markers = grips.markers();
+  PadStepper<float> steps(executor_, grips.sensors().front(), 1, std::array{0.5}, options);
+  steps.set_heights(std::span<const double>(std::vector<double>(64, 0.0)));
+  double farthest = 0;
+  for (std::size_t row = 0; row < set.rows() && set.contact[row] == 0; ++row) {
+    steps.move(std::array<double, 4>{set.indentation[row], set.tangential[2 * row], set.tangential[2 * row + 1],
+                                     set.twist[row] * std::numbers::pi / 180});
+    const auto markers = steps.markers();
+    ASSERT_EQ(markers.size(), 18u);
+    for (std::size_t u = 0; u < 18; ++u) EXPECT_NEAR(set.markers[18 * row + u], markers[u], 1e-4) << row << " " << u;
+    farthest = std::max<double>(farthest, std::abs(set.markers[18 * row + 2]));
+  }
+  EXPECT_GT(farthest, 0.01);
+}
+
 TEST_F(HoldSet, RowsAreThoseOfTheStepperDrivenWithTheSameMotions) { expect_rows_of_the_stepper("", "", 0); }
 TEST_F(HoldSet, RubberCreepsBetweenFrames) {
   // In 0.05 s E falls by 0.2 (1 - exp(-0.5)) + 0.1 (1 - exp(-0.05)) = 0.084.

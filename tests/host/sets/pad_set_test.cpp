@@ -339,6 +339,89 @@ TEST_F(PadSet, EveryContactHasItsOwnPoissonsRatio) {
   }
 }
 
+std::string marked(const std::string& markers) {
+  std::string text = sweep_text;
+  const std::string thickness = "thickness = { uniform = [1.5, 2.5] }", poisson = "poisson = { choice = [0.4, 0.5] }";
+  text.replace(text.find(thickness), thickness.size(), "thickness = 2");
+  text.replace(text.find(poisson), poisson.size(), "poisson = 0.45");
+  return text + "[markers]\n" + markers;
+}
+
+/// Markers of sets have a quadrature of each cell, those of solve its integral: the difference is below 0.5 % of the
+/// largest displacement, and rounds in fp32.
+TEST_F(PadSet, MarkersMoveAsThoseOfSolve) {
+  double farthest = 0;
+  for (const char* depth : {"0.04", "0.3"}) {
+    const PadSource sweep = source(marked("counts = [9, 5]\npitch = [0.7, 1]\ndepth = ") + depth);
+    const ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 60);
+    ASSERT_EQ(set.marker_numbers, 3 * 45);
+    ASSERT_EQ(set.markers.size(), 3 * 45 * set.rows());
+    std::uint64_t solved = sweep.contacts();
+    PadOutcome outcome;
+    for (std::size_t row = 0; row < set.rows(); ++row) {
+      if (set.contact[row] % 3 != 0) continue;
+      if (solved != set.contact[row])
+        outcome = solve(sweep.contact(solved = set.contact[row]).scene, {.rung = "pad-8", .precision = "fp32"});
+      const fem::PadStep& step = outcome.solution.steps[set.step[row]];
+      const double most = step.markers.cwiseAbs().maxCoeff();
+      for (Eigen::Index m = 0; m < 45; ++m)
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+          ASSERT_NEAR(set.markers[135 * row + static_cast<std::size_t>(3 * m + axis)], step.markers(m, axis),
+                      5e-3 * most)
+              << "contact " << solved << ", marker " << m << ", axis " << axis << ", depth " << depth;
+      farthest = std::max(farthest, most);
+    }
+  }
+  EXPECT_GT(farthest, 0.1);
+}
+
+TEST_F(PadSet, MarkersChangeNothingElse) {
+  const std::string text = marked("counts = [4, 4]\ndepth = 0.2\n");
+  const PadSource sweep = source(text);
+  const SetSimulator simulator(executor_, sweep, options_);
+  ContactSet set = simulator.simulate(0, 30);
+  const ContactSet part = simulator.simulate(17, 2);
+  const auto row = static_cast<std::size_t>(std::ranges::find(set.contact, 17u) - set.contact.begin());
+  ASSERT_GT(part.rows(), 0u);
+  for (std::size_t k = 0; k < part.rows(); ++k)
+    EXPECT_EQ(row_of(part.markers, k, 48), row_of(set.markers, row + k, 48)) << k;
+  const PadSource plain = source(text.substr(0, text.find("[markers]")));
+  ContactSet without = SetSimulator(executor_, plain, options_).simulate(0, 30);
+  EXPECT_TRUE(without.markers.empty());
+  EXPECT_EQ(without.frames, set.frames);
+  EXPECT_EQ(without.slip_index, set.slip_index);
+  const auto file = folder_ / "marked.h5";
+  set.sweep = text, set.rung = "pad-8", set.plan = "a plan";
+  write_contact_set(file, set);
+  EXPECT_TRUE(check_contact_set(file, {}).damage.empty());
+  const ContactSet read = read_contact_set(file);
+  EXPECT_EQ(read.marker_numbers, 48);
+  EXPECT_EQ(read.markers, set.markers);
+  EXPECT_FALSE(only_columns(columns_of(sweep), "inputs").has("markers"));
+  EXPECT_TRUE(only_columns(columns_of(sweep), "inputs,markers").has("markers"));
+}
+
+/// With rows of the pressing, first presses that touch few cells are solved alone, on cells of their own.
+TEST_F(PadSet, MarkersOfPressesThatAreSolvedAlone) {
+  std::string text = marked("counts = [3, 3]\npitch = 0.5\ndepth = 0.2\n");
+  text.insert(text.find("seed"), "press_rows = true\n");
+  const PadSource sweep = source(text);
+  const ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 30);
+  std::size_t alone = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    const fem::PadScene scene = sweep.contact(set.contact[row]).scene;
+    if (set.step[row] != 0 || pressing_targets(scene.load) < 2) continue;
+    const PadOutcome outcome = solve(scene, {.rung = "pad-8", .precision = "fp32"});
+    const Eigen::MatrixX3d& expected = outcome.solution.steps[0].markers;
+    for (std::size_t m = 0; m < 27; ++m)
+      EXPECT_NEAR(set.markers[27 * row + m],
+                  expected(static_cast<Eigen::Index>(m / 3), static_cast<Eigen::Index>(m % 3)),
+                  5e-3 * expected.cwiseAbs().maxCoeff());
+    ++alone;
+  }
+  EXPECT_GT(alone, 5u);
+}
+
 /// The sphere touches less than 2 mm around its axis: 3 mm from the edge it comes nearer than the thickness. A drag of
 /// 2 mm is more than a tenth of its contact.
 TEST_F(PadSet, CountsContactsAtEdgesAndFarSlip) {

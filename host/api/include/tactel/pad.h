@@ -134,6 +134,7 @@ struct PadError {
   double P = 0, Q = 0, M = 0;        ///< over the largest P, and the larger of Q and M over half the contact's size
   double sigma = 0, tau = 0;         ///< of sigma_z, and of tau_x and tau_y, at any tactel over the largest
   std::string from{};                ///< the second solution of this scene, "24 x 24 cells"; empty: by the kind
+  double markers = 0;                ///< of displacements of markers over the largest; 0: none, or by the kind
 };
 
 /// The answer to a scene: one PadStep for each load increment, those of the pressing first.
