@@ -643,32 +643,32 @@ std::vector<double> PadContact<Real>::State::marker_table(double poisson, double
 
 template <class Real>
 Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first) {
-  return executor.prepare(program(vectors, b.mapped), b.free ? "pad_free_contact" : "pad_contact",
-                          [&](KernelArguments& kernel) {
-                            if (b.free) {
-                              kernel.set("pairs", b.between);  // until it is run
-                              kernel.set("layers", b.own_tables);
-                              kernel.set("softs", b.softs.numbers);
-                              kernel.set("between", b.between);
-                              bind_sides(b, kernel);
-                              kernel.set("first_scene", std::int32_t(first));
-                            } else {
-                              kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
-                              kernel.set("table_of", b.table_of_group);
-                              kernel.set("first_vector", std::int32_t(first));
-                            }
-                            kernel.set("lane_input", b.input.numbers);
-                            kernel.set("path", b.path.numbers);
-                            kernel.set("heights", b.heights.numbers);
-                            kernel.set("increments", std::int32_t(b.increments));
-                            kernel.set("slots", std::int32_t(b.steps));
-                            kernel.set("write_forces", std::int32_t(1));
-                            kernel.set("tolerance", Real(options.tolerance));
-                            kernel.set("accept", Real(options.accept));
-                            kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
-                            kernel.set("result", b.results.numbers);
-                            kernel.set("forces", b.cell_forces.numbers);
-                          });
+  const char* const kernel_name = b.free ? "pad_free_contact" : "pad_contact";
+  return executor.prepare(program(vectors, b.mapped), kernel_name, [&](KernelArguments& kernel) {
+    if (b.free) {
+      kernel.set("pairs", b.between);  // until it is run
+      kernel.set("layers", b.own_tables);
+      kernel.set("softs", b.softs.numbers);
+      kernel.set("between", b.between);
+      bind_sides(b, kernel);
+      kernel.set("first_scene", std::int32_t(first));
+    } else {
+      kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
+      kernel.set("table_of", b.table_of_group);
+      kernel.set("first_vector", std::int32_t(first));
+    }
+    kernel.set("lane_input", b.input.numbers);
+    kernel.set("path", b.path.numbers);
+    kernel.set("heights", b.heights.numbers);
+    kernel.set("increments", std::int32_t(b.increments));
+    kernel.set("slots", std::int32_t(b.steps));
+    kernel.set("write_forces", std::int32_t(1));
+    kernel.set("tolerance", Real(options.tolerance));
+    kernel.set("accept", Real(options.accept));
+    kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
+    kernel.set("result", b.results.numbers);
+    kernel.set("forces", b.cell_forces.numbers);
+  });
 }
 
 template <class Real>
