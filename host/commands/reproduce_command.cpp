@@ -11,6 +11,7 @@
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
 #include "host/studies/paper/direct_problem.h"
+#include "host/studies/paper/inverse_baselines.h"
 #include "host/studies/paper/inverse_problem.h"
 #include "host/studies/paper/real_sensor_study.h"
 #include "host/support/durable_file.h"
