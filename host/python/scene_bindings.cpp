@@ -257,7 +257,7 @@ void bind_scenes(py::module_& m) {
       .def_property_readonly("sensor", scene_field([](const auto& scene) { return py::cast(scene.sensor); }))
       .def_property_readonly("indenter", scene_field([](const auto& scene) { return py::cast(scene.indenter); }))
       .def_property_readonly("friction", scene_field([](const auto& scene) { return scene.friction; }),
-                             "mu; infinite: bonded; of a map read from a file its largest")
+                             "mu; infinite: bonded")
       .def_property_readonly("load", scene_field([](const auto& scene) { return py::cast(scene.load); }))
       .def_property_readonly("title", scene_field([](const auto& scene) { return scene.title; }))
       .def_property_readonly("markers", of_pad(&PadScene::markers), "of a pad; None: none")
