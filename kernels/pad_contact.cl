@@ -35,14 +35,17 @@
 
    FREE_SIDES 1 with LANES and VECTORS 1, OWN_TABLES 0 and WIDE (1, 2, 4, 8, 16): the sides of the pad are free. A
    work-item makes the table of all pairs of its scene's cells (pad/free_sides.h), and takes WIDE cells at a time. Rows
-   of a sweep are divided by what each cell does to itself. */
-// defines: CELLS=8 VECTORS=1 OWN_TABLES=1
+   of a sweep are divided by what each cell does to itself.
+
+   FRICTION_MAP 1: mu differs from cell to cell. S then has the share of each. */
+// defines: CELLS=8 VECTORS=1 OWN_TABLES=1 FRICTION_MAP=1
 // defines of WIDE: CELLS=8 VECTORS=1 OWN_TABLES=0 FREE_SIDES=1
 #include "pad/increment.h"
 #include "pad/residual.h"
 #include "pad/slip_margin.h"
 #include "pad/sweep.h"
 
+#define INPUT_ROWS (PAD_INPUT_ROWS + FRICTION_MAP * COUNT)
 #define MOST_FORCE_TRIALS 60
 #define MOST_STEPS 16 /* load steps that the base stress is summed for at once */
 
@@ -85,7 +88,7 @@ static void add_slide(const Influence *influence, const Cells *c, State *s) {
     vreal sticking = 0;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
-      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n;
+      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * MU(i, v) * n;
       sticking += PICK((n > 0) & (fma(x, x, y * y) < cone * cone), ALL_LANES(1), ALL_LANES(0));
     }
     const vreal slide = rms_slide(influence, c, v);
@@ -152,14 +155,14 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
   const side n_unit = influence->hx * influence->hy / influence->root_zz,
              t_unit = influence->hx * influence->hy / influence->root_tt;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
-    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    global const vreal *in = lane_input + v * INPUT_ROWS;
     const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE], H = in[PAD_THICKNESS];
     vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0;
     vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
     vreal first_x = CELLS, last_x = -1, first_y = CELLS, last_y = -1;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
-      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * s->mu.v[v] * n;
+      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * MU(i, v) * n;
       P += n;
       Qx += x;
       Qy += y;
@@ -239,9 +242,9 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
 static void check_input(global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, State *s) {
   for (int v = 0; v < VECTORS; ++v) {
-    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    global const vreal *in = lane_input + v * INPUT_ROWS;
     vreal sum = 0, lowest = PAD_OPEN;
-    for (int r = 0; r < PAD_INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
+    for (int r = 0; r < INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
     for (int i = 0; i < RING * RING; ++i) {
       const vreal h = heights[v * RING * RING + i];
       sum = finite_sum(sum, h);
@@ -266,7 +269,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   c.listed = 0;
   s.half_size = (real)0.5 * CELLS * fmax(influence->hx, influence->hy);
   EACH_VECTOR(v) {
-    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    global const vreal *in = lane_input + v * INPUT_ROWS;
     s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] =
         s.change_twist.v[v] = 0;
     s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
@@ -274,7 +277,9 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
     s.power.v[v] = (real)1.5;
     s.trial_sweeps.v[v] = s.slid.v[v] = s.slip_path.v[v] = 0;
-    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence->root_tt / influence->root_zz);
+    for (int i = 0; i < MUS; ++i)
+      s.mu[i].v[v] = PICK(s.valid.v[v], in[FRICTION_MAP ? PAD_INPUT_ROWS + i : PAD_MU], ALL_LANES(0)) *
+                     (influence->root_tt / influence->root_zz);
     s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
     s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
   }
@@ -292,7 +297,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     Target target;
     Masks solving;
     EACH_VECTOR(v) {
-      global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+      global const vreal *in = lane_input + v * INPUT_ROWS;
       global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
       s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
       slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
@@ -355,7 +360,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const size_t vector = first_vector + group * VECTORS;
   const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input + vector * PAD_INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
+  walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
        heights + vector * RING * RING, increments, tolerance, &answers);
 }
 #endif
@@ -375,7 +380,7 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
   const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
   global const real *head = layers + scene * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE);
   global real *table = pairs + group * PAIR_NUMBERS;
-  lane_input += scene * PAD_INPUT_ROWS;
+  lane_input += scene * INPUT_ROWS;
   heights += scene * RING * RING;
   make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
@@ -392,7 +397,7 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
                             global real *stress) {
   TAKE_GROUP(group);
   const SidePart part = {0, nodes_x, nodes_y, side_x, side_y};
-  global const real *place = places + group * PAD_PLACE_ROWS, *in = lane_input + group * PAD_INPUT_ROWS;
+  global const real *place = places + group * PAD_PLACE_ROWS, *in = lane_input + group * INPUT_ROWS;
   const int numbers = 3 * tactels, row = (numbers + SUMMANDS - 1) / SUMMANDS * SUMMANDS, nodes = nodes_x * nodes_y;
   global const real *response = responses + (size_t)response_of[group] * 3 * nodes * row;
   const real unit = place[PAD_PLACE_THICKNESS] * place[PAD_PLACE_THICKNESS];

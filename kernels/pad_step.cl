@@ -19,9 +19,10 @@
 
    Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, CELLS_Y, and DENSE (0 | 1): with a table of all
    pairs of cells, where what a cell does depends on its place. */
-// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2
+// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2 FRICTION_MAP=1
 #define STEPPED 1
 #define OWN_TABLES 0
+#define INPUT_ROWS (STEP_INPUT_ROWS + FRICTION_MAP * COUNT)
 #include "pad/nearby.h"
 #include "pad/pose_search.h"
 #include "pad/residual.h"
@@ -35,11 +36,12 @@
 #define STATE_ROWS (CREEP_AT + (CREEP_TERMS > 0 ? 3 * (1 + CREEP_TERMS) * COUNT : 0))
 
 /* A number of 24 bits that heights, covers and mu give: it tells whether they are those of the last step. */
-static vreal mark_of(global const vreal *heights, global const vreal *soft, vreal mu, int v) {
-  vint mark = AS_VINT(mu);
+static vreal mark_of(global const vreal *in, global const vreal *heights, global const vreal *soft, int v) {
+  vint mark = AS_VINT(in[STEP_MU]);
   for (int i = 0; i < COUNT; ++i) {
     mark = mark * 31 + AS_VINT(heights[v * COUNT + i]);
     mark = mark * 31 + AS_VINT(soft[v * COUNT + i]);
+    if (FRICTION_MAP) mark += 7 * (AS_VINT(in[STEP_INPUT_ROWS + i]) - AS_VINT(in[STEP_MU])); /* one mu: as without map */
     mark ^= mark >> 15;
   }
   return TO_VREAL(mark & 0xffffff);
@@ -60,10 +62,10 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
                          global const vreal *soft, global const vreal *state, int by_wrench, State *s) {
   s->half_size = (real)0.5 * fmax(CELLS * influence->hx, CELLS_Y * influence->hy);
   EACH_VECTOR(v) {
-    global const vreal *in = input + v * STEP_INPUT_ROWS, *own = state + v * STATE_ROWS + STEP_FIELDS * COUNT;
+    global const vreal *in = input + v * INPUT_ROWS, *own = state + v * STATE_ROWS + STEP_FIELDS * COUNT;
     vreal sum = 0, lowest = PAD_OPEN;
     vint sensible = in[STEP_MU] >= 0;
-    for (int r = 0; r < STEP_INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
+    for (int r = 0; r < INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
     for (int i = 0; i < COUNT; ++i) {
       const vreal h = heights[v * COUNT + i], e = soft[v * COUNT + i];
       sum = finite_sum(finite_sum(sum, h), e);
@@ -75,8 +77,9 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
     const vint valid = (sum == 0) & sensible;
     s->valid.v[v] = s->running.v[v] = valid;
     s->lowest.v[v] = PICK(valid, lowest, ALL_LANES(PAD_OPEN));
-    const vreal mu = PICK(valid, in[STEP_MU], ALL_LANES(0)), mark = mark_of(heights, soft, mu, v);
-    s->mu.v[v] = mu * (influence->root_tt / influence->root_zz);
+    for (int i = 0; i < MUS; ++i)
+      MU(i, v) = PICK(valid, in[FRICTION_MAP ? STEP_INPUT_ROWS + i : STEP_MU], ALL_LANES(0)) *
+                 (influence->root_tt / influence->root_zz);
     s->x_middle.v[v] = -PICK(valid, in[STEP_AXIS_X], ALL_LANES(0));
     s->y_middle.v[v] = -PICK(valid, in[STEP_AXIS_Y], ALL_LANES(0));
     s->d.v[v] = own[STEP_POSE];
@@ -87,7 +90,7 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
     s->change_x.v[v] = own[STEP_CHANGE + 1];
     s->change_y.v[v] = own[STEP_CHANGE + 2];
     s->change_twist.v[v] = own[STEP_CHANGE + 3];
-    s->anew.v[v] = valid & (mark != own[STEP_MARK]);
+    s->anew.v[v] = valid & (mark_of(in, heights, soft, v) != own[STEP_MARK]);
     s->by_force.v[v] = s->searching.v[v] = s->failed.v[v] = s->lost.v[v] = 0;
     s->power.v[v] = (real)1.5;
     s->slid.v[v] = s->trial_sweeps.v[v] = s->sweeps.v[v] = 0;
@@ -142,7 +145,7 @@ static void store(global const vreal *input, global const vreal *heights, global
     KEEP(own[STEP_CHANGE + 1], s->change_x.v[v]);
     KEEP(own[STEP_CHANGE + 2], s->change_y.v[v]);
     KEEP(own[STEP_CHANGE + 3], s->change_twist.v[v]);
-    KEEP(own[STEP_MARK], mark_of(heights, soft, input[v * STEP_INPUT_ROWS + STEP_MU], v));
+    KEEP(own[STEP_MARK], mark_of(input + v * INPUT_ROWS, heights, soft, v));
     if (!by_wrench) continue;
     KEEP(own[STEP_POWER], w->power.v[v]);
     EACH(k, 3) { KEEP(own[STEP_WAY + k], missing[k].v[v]); }
@@ -206,7 +209,7 @@ static inline void mean_slide(const Influence *influence, const Cells *c, const 
   for (int k = 0; k < c->listed; ++k) {
     const int i = c->list[k];
     const real x = x_of(influence, i), y = y_of(influence, i);
-    const vreal n = c->n[i].v[v], tx = c->tx[i].v[v], ty = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * n,
+    const vreal n = c->n[i].v[v], tx = c->tx[i].v[v], ty = c->ty[i].v[v], cone = INSIDE_CONE * MU(i, v) * n,
                 touches = PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
     const vint slips = (n > 0) & NOT(fma(tx, tx, ty * ty) < cone * cone);
     const vreal slip_x = PICK(slips, c->gx[i].v[v] - c->ux[i].v[v], ALL_LANES(0)),
@@ -265,7 +268,7 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
     rows[STEP_RESULT_FLAGS] =
         PICK(touch == 0, ALL_LANES(STEP_OPEN), ALL_LANES(0)) + PICK(slides, ALL_LANES(STEP_SLIDES), ALL_LANES(0)) +
         PICK(unmet, ALL_LANES(STEP_UNMET), ALL_LANES(0)) +
-        place_flags(input + v * STEP_INPUT_ROWS, heights, reach, sides, by_wrench, c, s, touch, v);
+        place_flags(input + v * INPUT_ROWS, heights, reach, sides, by_wrench, c, s, touch, v);
     rows[STEP_RESULT_SOLVES] = by_wrench ? w->solves.v[v] : PICK(s->sweeps.v[v] > 0, ALL_LANES(1), ALL_LANES(0));
     rows[STEP_RESULT_SWEEPS] = s->sweeps.v[v];
     rows[STEP_RESULT_RESIDUAL] = worst;
@@ -297,7 +300,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   const Influence influence = influence_of(table);
   const Stiffness stiff = {kt, kr};
   const size_t vector = group * VECTORS;
-  input += vector * STEP_INPUT_ROWS;
+  input += vector * INPUT_ROWS;
   heights += vector * COUNT;
   soft += vector * COUNT;
   state += vector * STATE_ROWS;
@@ -316,7 +319,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
                &search, &target, missing);
   } else {
     EACH_VECTOR(v) {
-      global const vreal *to = input + v * STEP_INPUT_ROWS + STEP_TO;
+      global const vreal *to = input + v * INPUT_ROWS + STEP_TO;
       target.normal.v[v] = LARGER(to[0], ALL_LANES((real)-STEP_MOST_WAY));
       target.x.v[v] = to[1];
       target.y.v[v] = to[2];

@@ -72,7 +72,7 @@ PadContact::PadContact(const PadInfluence* influence, const PadTable* table, con
       table_(table),
       cells_(cells),
       height_(std::move(height)),
-      mu_(mu),
+      mu_(Eigen::VectorXd::Constant(cells.count(), mu)),
       options_(options),
       tolerance_(options.tolerance) {
   const int count = cells.count();
@@ -165,7 +165,7 @@ void PadContact::extrapolate(double ratio) {
   std::fill(columns_.begin(), columns_.end(), std::array{0, 0});
   for (int i = 0; i < cells_.count(); ++i) {
     if (!touches) n_[i] = 0;
-    to_cone(t_.row(i), mu_ * n_[i]);
+    to_cone(t_.row(i), mu_[i] * n_[i]);
     const double gap = height_(i / cells_.ny() + 1, i % cells_.ny() + 1) - depth - u_(i, 2);
     if (n_[i] > 0 || (touches && gap < 0)) activate(i);
   }
@@ -188,7 +188,7 @@ double PadContact::sweep(double w) {
         std::max(0.0, n_[i] + per_n / whole * (u[2] - (height_(i / cells_.ny() + 1, i % cells_.ny() + 1) - depth)));
     const Eigen::Vector2d goal = stick_.row(i).transpose() + path(i, motion_last_);
     Eigen::RowVector2d t = t_.row(i) + per_t / whole * (goal - u.head<2>()).transpose();
-    to_cone(t, mu_ * n);
+    to_cone(t, mu_[i] * n);
     change = std::max({change, std::abs(n - n_[i]), weight * (t - t_.row(i)).cwiseAbs().maxCoeff()});
     largest = std::max(largest, n);
     n_[i] = n;
@@ -249,7 +249,7 @@ PadResidual PadContact::residual_of_cells() const {
     const double length = t_.row(i).norm();
     const Eigen::RowVector2d slip = this->slip(i);
     r.complementarity = std::max(r.complementarity, std::abs(gap));
-    r.cone = std::max(r.cone, (length - mu_ * n_[i]) / most_n);
+    r.cone = std::max(r.cone, (length - mu_[i] * n_[i]) / most_n);
     if (sticks(i))
       r.drift = std::max(r.drift, slip.norm() / moved);
     else if (length > 0)

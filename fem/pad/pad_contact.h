@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "fem/gap/accuracy.h"
@@ -77,6 +78,9 @@ class PadContact {
   /// Other heights from now on, and the compliance that each cell has of its own, [cells], over that on itself; empty:
   /// 0.
   void set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness);
+  /// Friction of each cell from now on, [cells].
+  void set_friction(Eigen::VectorXd mu) { mu_ = std::move(mu); }
+  const Eigen::VectorXd& friction() const { return mu_; }  ///< [cells]
   /// Where the axis of the indenter lies from the middle of the grid, about which it twists, mm.
   void set_axis(double x, double y) { cells_.x_middle = -x, cells_.y_middle = -y; }
 
@@ -91,7 +95,7 @@ class PadContact {
   const Eigen::VectorXd& n() const { return n_; }   ///< [cells]
   const Eigen::MatrixX2d& t() const { return t_; }  ///< [cells]
   double pressing() const { return n_.sum(); }
-  bool sticks(Eigen::Index i) const { return n_[i] > 0 && t_.row(i).norm() < (1 - 1e-12) * mu_ * n_[i]; }
+  bool sticks(Eigen::Index i) const { return n_[i] > 0 && t_.row(i).norm() < (1 - 1e-12) * mu_[i] * n_[i]; }
 
   /// Starts an increment: guesses that the tractions change `ratio` times as much as last time.
   void extrapolate(double ratio);
@@ -148,7 +152,7 @@ class PadContact {
   PadCells cells_;
   Eigen::MatrixXd height_;
   Eigen::VectorXd softness_;
-  double mu_;
+  Eigen::VectorXd mu_;
   PadOptions options_;
   double tolerance_;  ///< of this increment
   Eigen::VectorXd n_, n_last_;

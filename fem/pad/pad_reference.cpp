@@ -60,7 +60,7 @@ PadReferenceSolution PadReference::solve(const PadScene& scene) const {
     step.stress += 2 * (many.stress - few.stress);
     if (step.slip_index && few.slip_index && many.slip_index)
       step.slip_index = std::clamp(*step.slip_index + 2 * (*many.slip_index - *few.slip_index), 0.0, 1.0);
-    if (step.force_ratio) step.force_ratio = step.Q.norm() / (scene.friction * step.P);
+    if (step.force_ratio) step.force_ratio = step.Q.norm() / (step.mu * step.P);
     step.converged &= few.converged && many.converged;
   }
   return answer;

@@ -175,11 +175,72 @@ void PadLoad::validate() const {
   }
 }
 
+namespace {
+
+void check_map(const FrictionMap& map) {
+  constexpr std::size_t most = 64;
+  const char* key = "contact.friction_map";
+  const auto check_count = [&](std::size_t count, const char* what, std::size_t least, std::size_t largest) {
+    if (count < least || count > largest)
+      throw ValueError(key, std::to_string(count) + what, "1 to 64 rows, each of as many numbers, 1 to 64");
+  };
+  check_count(map.rows.size(), " rows", 1, most);
+  const std::size_t columns = map.rows.front().size();
+  for (const std::vector<double>& row : map.rows) {
+    check_count(row.size(), " numbers in a row", std::max<std::size_t>(columns, 1), std::min(columns, most));
+    for (const double mu : row) check(mu >= 0 && mu <= 100, key, mu, "coefficients of friction, 0 to 100");
+  }
+  check_length("contact.friction_pitch", map.pitch);
+}
+
+/// The ends of the friction.
+Interval friction_range(const PadScene& scene) {
+  if (!scene.friction_map) return {scene.friction, scene.friction};
+  Interval range = nowhere;
+  for (const std::vector<double>& row : scene.friction_map->rows)
+    for (const double mu : row) range = {std::min(range.left, mu), std::max(range.right, mu)};
+  return range;
+}
+
+}  // namespace
+
+void PadScene::set_friction(FrictionMap map) {
+  friction_map = std::move(map);
+  friction = friction_range(*this).right;
+}
+
+Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& places) {
+  if (!scene.friction_map) return Eigen::VectorXd::Constant(places.rows(), scene.friction);
+  const FrictionMap& map = *scene.friction_map;
+  const auto between = [&map](double at, std::size_t count, const auto& value) {
+    const double last = static_cast<double>(count - 1), place = std::clamp(at / map.pitch + last / 2, 0.0, last);
+    const auto node = static_cast<std::size_t>(place);
+    return std::lerp(value(node), value(std::min(node + 1, count - 1)), place - static_cast<double>(node));
+  };
+  return Eigen::VectorXd::NullaryExpr(places.rows(), [&](Eigen::Index k) {
+    return between(places(k, 1), map.rows.size(), [&](std::size_t j) {
+      return between(places(k, 0), map.rows[j].size(), [&](std::size_t i) { return map.rows[j][i]; });
+    });
+  });
+}
+
+std::string friction_text(const PadScene& scene) {
+  const auto [least, most] = friction_range(scene);
+  return (least < most ? number_text(least) + " to " : "") + number_text(most);
+}
+
+void refuse_friction_map(const PadScene& scene) {
+  if (scene.friction_map)
+    throw ValueError("contact.friction_map", friction_text(scene),
+                     "left out of many paths and of sets: solve and PadStepper take it");
+}
+
 void PadScene::validate() const {
   check_title(title);
   fem::validate(sensor);
   indenter.validate();
   load.validate();
+  if (friction_map) check_map(*friction_map);
   check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
   if (!load.times.empty() && sensor.relaxation.empty())
     throw ValueError("load.times", std::to_string(load.times.size()) + " times",

@@ -124,12 +124,21 @@ struct PadScene {
   std::string title;
   PadSensor sensor;
   PadIndenter indenter;
-  double friction = 0.5;
+  double friction = 0.5;  ///< mu; with a map its largest
   PadLoad load;
   std::optional<Markers> markers{};
   std::optional<Camera> camera{};
+  std::optional<FrictionMap> friction_map{};
   void validate() const;
+  void set_friction(FrictionMap map);
 };
+
+/// Returns mu at places on the pad, [places] mm.
+Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& places);
+/// Returns "0.5", or "0.15 to 0.6" of a map.
+std::string friction_text(const PadScene& scene);
+/// Throws ValueError for a map, where each scene has one number.
+void refuse_friction_map(const PadScene& scene);
 
 inline constexpr std::size_t most_pad_targets = 1000;  ///< increments of pressing that a load may ask for
 

@@ -137,8 +137,10 @@ struct PadWorld {
   PadContact contact(const PadOptions& options, const PadCells& cells, const PadScene& scene) const {
     const PadOptions sweeps = of_sweeps(options, scene);
     Eigen::MatrixXd heights = heights_on_pad(cells, scene);
-    return influence ? PadContact(*influence, cells, std::move(heights), scene.friction, sweeps)
-                     : PadContact(*table, cells, std::move(heights), scene.friction, sweeps);
+    PadContact made = influence ? PadContact(*influence, cells, std::move(heights), scene.friction, sweeps)
+                                : PadContact(*table, cells, std::move(heights), scene.friction, sweeps);
+    made.set_friction(friction_on_cells(cells, scene));
+    return made;
   }
 };
 
@@ -211,7 +213,7 @@ void PadWalk::move_to(const PadTarget& target) {
 }
 
 PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
-  const double young = scene_.sensor.young / softer_, mu = scene_.friction, force = young * cells_.area();
+  const double young = scene_.sensor.young / softer_, force = young * cells_.area();
   PadStep step;
   step.indentation = contact_.depth;
   step.twist = contact_.motion[2];
@@ -222,9 +224,11 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   step.P = n.sum();
   step.Q = turn_ * own_Q.transpose();
   step.M = own_places_.col(0).dot(t.col(1)) - own_places_.col(1).dot(t.col(0));
-  if (mu * step.P > 0) {
-    step.slip_index = std::min(1.0, slip_margin(own_places_, mu * n, {own_Q[0], own_Q[1], step.M}));
-    step.force_ratio = step.Q.norm() / (mu * step.P);
+  step.mu = mean_friction(scene_, contact_.friction(), n);
+  if (step.mu * step.P > 0) {
+    const Eigen::VectorXd grip = contact_.friction().cwiseProduct(n);
+    step.slip_index = std::min(1.0, slip_margin(own_places_, grip, {own_Q[0], own_Q[1], step.M}));
+    step.force_ratio = step.Q.norm() / (step.mu * step.P);
   }
   int touch = 0, stick = 0;
   for (Eigen::Index i = 0; i < n.size(); ++i) {
@@ -293,6 +297,17 @@ Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
   return heights;
 }
 
+Eigen::VectorXd friction_on_cells(const PadCells& cells, const PadScene& scene) {
+  Eigen::MatrixX2d places(cells.count(), 2);
+  for (int i = 0; i < cells.count(); ++i) places.row(i) << cells.x(i / cells.ny()), cells.y(i % cells.ny());
+  places *= own_to_pad(scene.indenter, cells).transpose();
+  return friction_at(scene, places.rowwise() + position(scene.indenter).transpose());
+}
+
+double mean_friction(const PadScene& scene, const Eigen::VectorXd& mu, const Eigen::VectorXd& n) {
+  return scene.friction_map && n.sum() > 0 ? mu.dot(n) / n.sum() : scene.friction;
+}
+
 Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene) {
   Eigen::VectorXd compliances = Eigen::VectorXd::Zero(cells.count());
   if (!cells.shared) return compliances;
@@ -323,7 +338,8 @@ struct Softer {
 
 double sliding_limit(const PadScene& scene, double normal, const PadCells& cells) {
   const Softer softer(scene.sensor, cells.half_size());
-  const double nu = scene.sensor.poisson, mu = scene.friction;
+  const double nu = scene.sensor.poisson,
+               mu = scene.friction_map ? friction_on_cells(cells, scene).mean() : scene.friction;
   const SoftObject object = soft_object(scene.sensor, scene.indenter);
   if (!by_force(scene)) {
     const double more = (softer.tangential + object.tangential() / ((1 + nu) * (2 - nu))) /

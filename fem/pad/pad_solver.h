@@ -19,6 +19,7 @@ struct PadStep {
   double P = 0;                       ///< N, >= 0
   Eigen::Vector2d Q = {0, 0};         ///< N, > 0 drags the rubber to +x, +y
   double M = 0;                       ///< N mm about the indenter's axis
+  double mu = 0;                      ///< of the scene; with a map its mean, weighed by the pressures
   std::optional<double> slip_index;   ///< S = 1 / lambda (slip_margin.h); none where mu P = 0
   std::optional<double> force_ratio;  ///< |Q| / (mu P)
   double stick_fraction = 0;          ///< cells that stick over those that touch; 0 where none touches
@@ -57,6 +58,11 @@ struct PadIncrement {
 /// Returns the heights at cells and one ring around them (cell_heights), +infinity also where a pad with free sides has
 /// ended.
 Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene);
+
+/// Returns mu at the cells.
+Eigen::VectorXd friction_on_cells(const PadCells& cells, const PadScene& scene);
+/// Returns the mu that would bear as much under pressures n: that of the scene, with a map the mean of those of cells.
+double mean_friction(const PadScene& scene, const Eigen::VectorXd& mu, const Eigen::VectorXd& n);
 
 /// Returns what each shared cell gives way beside the rubber (share_compliance), [cells] mm for E = 1; 0 of others.
 Eigen::VectorXd shared_compliances(const PadCells& cells, const PadScene& scene);

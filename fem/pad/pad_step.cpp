@@ -25,7 +25,7 @@ Eigen::MatrixXd with_ring(const Eigen::ArrayXd& height, const PadCells& cells) {
 
 SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, const PadCells& cells, double mu,
                                const PadOptions& options)
-    : sensor_(sensor), cells_(cells), mu_(mu), options_(options) {
+    : sensor_(sensor), cells_(cells), options_(options) {
   const Eigen::MatrixXd open =
       with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells);
   if (has_free_sides(sensor)) {
@@ -90,9 +90,8 @@ SteppedState SteppedContact::state(int solves, int sweeps, bool settled) const {
     s.touching += contact_->n()[i] > 0;
     sticking += contact_->sticks(i);
   }
-  if (mu_ * s.force[0] > 0)
-    s.slip_index =
-        std::min(1.0, slip_margin(places, mu_ * sensor_.young * cells_.area() * contact_->n(), s.force.tail<3>()));
+  const Eigen::VectorXd grip = (sensor_.young * cells_.area()) * contact_->friction().cwiseProduct(contact_->n());
+  if (grip.sum() > 0) s.slip_index = std::min(1.0, slip_margin(places, grip, s.force.tail<3>()));
   s.stick_fraction = s.touching > 0 ? static_cast<double>(sticking) / s.touching : 0;
   s.slides = s.touching > 0 && sticking == 0;
   s.met = settled && s.residual.largest() <= options_.accepted();

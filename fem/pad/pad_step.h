@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "fem/pad/creep_history.h"
 #include "fem/pad/pad_contact.h"
@@ -40,6 +41,8 @@ class SteppedContact {
   /// Seconds that a step takes, of rubber that creeps (PadSensor::relaxation).
   double dt = 0;
 
+  /// Friction of each cell from the next step on, [cells].
+  void set_friction(Eigen::VectorXd mu) { contact_->set_friction(std::move(mu)); }
   /// What the next step takes: the object over the cells, and its axis.
   void set_surface(const PadSurface& surface, std::array<double, 2> axis = {0, 0});
 
@@ -61,7 +64,6 @@ class SteppedContact {
 
   PadSensor sensor_;
   PadCells cells_;
-  double mu_;
   PadOptions options_;
   std::shared_ptr<const PadInfluence> influence_{};
   std::shared_ptr<const PadTable> table_{};  ///< instead, of a pad with free sides

@@ -110,6 +110,7 @@ Json to_json(const PadOutcome& outcome) {
               {"fallback", solution.fell_back},
               {"warnings", warnings(outcome)},
               {"steps", steps_json(solution.steps, true, outcome.scene.sensor.axes == 3)}});
+  if (outcome.scene.friction_map) out["cell_friction"] = json_of(fem::friction_at(outcome.scene, solution.places));
   if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, true);
   if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.accuracy) out["accuracy"] = {{"asked", *outcome.accuracy}, {"kept", outcome.kept()}};

@@ -41,10 +41,12 @@ std::string header(const auto& outcome, const std::string& rubber, const std::st
   std::string layers;
   if constexpr (requires { s.layers; })
     if (!s.layers.empty()) layers = fmt::format("{} layers, at the surface ", s.layers.size());
-  return fmt::format("{}{}{} on {} mm of rubber, {}E = {:g} MPa, nu = {:g}, mu = {:g}\n{}, solver {}, {}\n{}\n\n",
+  std::string mu = fmt::format("{:g}", scene.friction);
+  if constexpr (requires { scene.friction_map; })
+    if (scene.friction_map) mu = fem::friction_text(scene);
+  return fmt::format("{}{}{} on {} mm of rubber, {}E = {:g} MPa, nu = {:g}, mu = {}\n{}, solver {}, {}\n{}\n\n",
                      scene.title, scene.title.empty() ? "" : "\n", fem::shape_name(scene.indenter.shape), rubber,
-                     layers, s.young, s.poisson, scene.friction, model, outcome.solver, outcome.precision,
-                     outcome.device);
+                     layers, s.young, s.poisson, mu, model, outcome.solver, outcome.precision, outcome.device);
 }
 
 // ---- of a line

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fem/numbers/angles.h"
+#include "fem/numbers/number_text.h"
 #include "fem/numbers/value_error.h"
 #include "host/api/scene_conversion.h"
 
@@ -56,6 +57,12 @@ fem::PadScene to_fem(const PadScene& scene) {
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
   made.indenter.young = indenter.young, made.indenter.poisson = indenter.poisson;
   made.friction = scene.friction;
+  if (scene.friction_map) {
+    made.set_friction(*scene.friction_map);
+    if (scene.friction != PadScene{}.friction)
+      throw ValueError("contact.friction", fem::number_text(scene.friction),
+                       "left out, 0.5, beside contact.friction_map");
+  }
   const PadLoad& load = scene.load;
   if (!load.twist.empty() && load.twist.size() != load.tangential.size())
     throw ValueError(
@@ -81,7 +88,8 @@ PadScene from_fem(const fem::PadScene& scene) {
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_from_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
   made.indenter.young = indenter.young, made.indenter.poisson = indenter.poisson;
-  made.friction = scene.friction;
+  made.friction_map = scene.friction_map;
+  if (!made.friction_map) made.friction = scene.friction;
   const fem::PadLoad& load = scene.load;
   made.load = {load.indentation, load.normal_force, load.indentation_steps};
   for (const auto& [x, y, twist] : load.drags) {

@@ -236,7 +236,8 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
       throw ValueError("scenes[" + std::to_string(i) + "].sensor.tactels", text(scenes[i].sensor),
                        "those of scenes[0], " + text(scenes[0].sensor));
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    api::with_public_errors([&] { fem::refuse_creep(scenes[i].sensor); }, "scenes[" + std::to_string(i) + "]");
+    api::with_public_errors([&] { fem::refuse_creep(scenes[i].sensor), fem::refuse_friction_map(scenes[i]); },
+                            "scenes[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scenes.size(); ++i)
     if (scenes[i].markers)
       throw ValueError("scenes[" + std::to_string(i) + "].markers", "given",

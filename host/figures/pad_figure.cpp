@@ -156,13 +156,14 @@ class PadFigure {
         limit{.label = "µp", .mark = Mark::dashed, .ink = Ink::grey};
     Series stick{.label = "stick", .mark = Mark::circles, .ink = Ink::green},
         slip{.label = "slip", .mark = Mark::triangles, .ink = Ink::red};
+    const Eigen::VectorXd mu = fem::friction_at(scene_, solution_.places);
     for (int i = 0; i < n; ++i) {
       const int k = i * n + row;
       const double p = step_.normal_force[k] / cells_.area(), t = step_.tangential_force.row(k).norm() / cells_.area();
       for (const double x : {cells_.x(i) - cells_.hx / 2, cells_.x(i) + cells_.hx / 2}) {
         pressure.x.push_back(x), pressure.y.push_back(p);
         shear.x.push_back(x), shear.y.push_back(t);
-        limit.x.push_back(x), limit.y.push_back(scene_.friction * p);
+        limit.x.push_back(x), limit.y.push_back(mu[k] * p);
       }
       const GapStatus status = step_.status[static_cast<std::size_t>(k)];
       if (status == GapStatus::open) continue;

@@ -138,16 +138,17 @@ class PadBuilder {
   Json data() {
     Json steps = Json::array();
     for (std::size_t k = 0; k < steps_.size(); ++k) steps.push_back(step_json(k));
-    Json out = {{"mu", rounded(scene_.friction)},
-                {"position", scene_.indenter.position},
-                {"yaw", scene_.indenter.yaw},
-                {"sensor", sensor_json()},
-                {"cells", cells_json()},
-                {"outlines", outlines_},
-                {"most", most()},
-                {"path", path_json()},
-                {"shown", std::ranges::find(steps_, shown_) - steps_.begin()},
-                {"steps", std::move(steps)}};
+    Json out = {
+        {"mu", scene_.friction_map ? rounded(fem::friction_at(scene_, solution_.places)) : rounded(scene_.friction)},
+        {"position", scene_.indenter.position},
+        {"yaw", scene_.indenter.yaw},
+        {"sensor", sensor_json()},
+        {"cells", cells_json()},
+        {"outlines", outlines_},
+        {"most", most()},
+        {"path", path_json()},
+        {"shown", std::ranges::find(steps_, shown_) - steps_.begin()},
+        {"steps", std::move(steps)}};
     if (scene_.markers) out["markers"] = fem::marker_places(*scene_.markers);
     return out;
   }
@@ -163,7 +164,7 @@ class PadBuilder {
         "steps. M is about the indenter's axis. {}{}",
         fem::shape_name(scene_.indenter.shape), scene_.sensor.thickness,
         scene_.sensor.layers.empty() ? "" : fmt::format("{} layers, at the surface ", scene_.sensor.layers.size()),
-        scene_.sensor.young, scene_.sensor.poisson, scene_.friction, solution_.cells.n, solution_.cells.n,
+        scene_.sensor.young, scene_.sensor.poisson, fem::friction_text(scene_), solution_.cells.n, solution_.cells.n,
         scene_.sensor.axes == 3 ? ", arrows are the shear stress τ" : "",
         scene_.markers ? fmt::format("Third map: displacements of the markers, {} mm below it. ", scene_.markers->depth)
                        : "",

@@ -100,6 +100,18 @@ void bind_markers(py::module_& m) {
   numbers_class<Camera>(m, "Camera", "A pinhole camera below the middle of a pad, which looks up at its markers.");
 }
 
+void bind_friction(py::module_& m) {
+  value_class<FrictionMap>(m, "FrictionMap", "mu over the skin of a pad, on a grid about its middle.",
+                           {"rows", "pitch"})
+      .def(py::init([](std::vector<std::vector<double>> rows, double pitch) {
+             return FrictionMap{std::move(rows), pitch};
+           }),
+           "rows"_a, "pitch"_a = FrictionMap{}.pitch,
+           "rows: mu of the nodes, one row for each y, x and y increasing; pitch: mm, from node to node.")
+      .def_readonly("rows", &FrictionMap::rows)
+      .def_readonly("pitch", &FrictionMap::pitch, "mm");
+}
+
 void bind_pad_load(py::module_& m) {
   numbers_class<PadLoad>(m, "PadLoad",
                          "The path of an indenter on a pad: a depth or normal force, then drags and twists. See Press "
@@ -127,6 +139,7 @@ void bind_pads(py::module_& m) {
   bind_pad_shapes(m);
   bind_pad_sensor(m);
   bind_markers(m);
+  bind_friction(m);
   bind_pad_load(m);
 }
 

@@ -55,7 +55,7 @@ Field field_of(const py::object& given, Field usual, const char* name, const Kin
 
 AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& indenter, double friction,
                   const py::object& load, std::string title, std::optional<Markers> markers,
-                  std::optional<Camera> camera) {
+                  std::optional<Camera> camera, std::optional<FrictionMap> friction_map) {
   if (const Pad* pad = std::get_if<Pad>(&sensor)) {
     auto shape = field_of<AnyPadIndenter>(indenter, PadIndenter{}, "indenter", [] {
       return "must be a " + classes_of(AnyPadIndenter{}) + ", as the sensor is a Pad";
@@ -63,10 +63,14 @@ AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& ind
     auto path = field_of<AnyPadLoad>(load, PadLoad{}, "load", [] { return "must be a PadLoad, or Press or Force"; });
     const Load* press = std::get_if<Load>(&path);
     return {PadScene{std::move(title), *pad, indenter_of<PadIndenter>(std::move(shape)), friction,
-                     press ? on_pad(*press) : std::get<PadLoad>(std::move(path)), std::move(markers), camera}};
+                     press ? on_pad(*press) : std::get<PadLoad>(std::move(path)), std::move(markers), camera,
+                     std::move(friction_map)}};
   }
-  if (markers || camera)
-    throw InputError(markers ? "markers" : "camera", "of a line", "must be None, as the sensor is no Pad");
+  if (markers || camera || friction_map)
+    throw InputError(markers  ? "markers"
+                     : camera ? "camera"
+                              : "friction_map",
+                     "of a line", "must be None, as the sensor is no Pad");
   auto shape = field_of<AnyIndenter>(indenter, Indenter{}, "indenter", [] {
     return "must be an " + classes_of(AnyIndenter{}) + ", as the sensor is no Pad";
   });
@@ -207,15 +211,16 @@ void bind_scene_of(py::class_<AnyScene>& scene) {
   signatures.disable_function_signatures();
   scene.def(
       py::init(&scene_of), "sensor"_a = Sensor{}, "indenter"_a = py::none(), "friction"_a = 0.5, "load"_a = py::none(),
-      "title"_a = "", "markers"_a = py::none(), "camera"_a = py::none(),
+      "title"_a = "", "markers"_a = py::none(), "camera"_a = py::none(), "friction_map"_a = py::none(),
       "__new__(cls, sensor: Sensor = ..., indenter: Indenter | Shape | None = None, friction: float = 0.5, "
       "load: Load | None = None, title: str = '') -> _LineScene\n"
       "__new__(cls, sensor: Pad, indenter: PadIndenter | PadShape | None = None, friction: float = 0.5, "
       "load: PadLoad | Load | None = None, title: str = '', markers: Markers | None = None, camera: Camera | "
-      "None = None) -> _PadScene\n\n"
+      "None = None, friction_map: FrictionMap | None = None) -> _PadScene\n\n"
       "sensor: a Sensor or Pad; indenter: an Indenter, of a Pad a PadIndenter, or a shape in the middle, None: "
       "Parabola(), Sphere(); friction: mu, or bonded on a line; load: Press or Force with drags, None: Load(), "
-      "PadLoad(); markers, camera: of a pad, whose displacements and pixels the answer has. Raises InputError for "
+      "PadLoad(); markers, camera: of a pad, whose displacements and pixels the answer has; friction_map: of a pad, in "
+      "place of friction. Raises InputError for "
       "what belongs to the other kind.");
 }
 
@@ -235,7 +240,7 @@ void bind_scenes(py::module_& m) {
       .def_readonly("position", &Indenter::position, "mm along the array");
   py::class_<AnyScene> scene =
       value_class<AnyScene>(m, "Scene", "One contact: on a pad where the sensor is a Pad, else on a line.",
-                            {"sensor", "indenter", "friction", "load", "title", "markers", "camera"});
+                            {"sensor", "indenter", "friction", "load", "title", "markers", "camera", "friction_map"});
   bind_scene_of(scene);
   scene
       .def(
@@ -251,7 +256,8 @@ void bind_scenes(py::module_& m) {
       .def_property_readonly("load", scene_field([](const auto& scene) { return py::cast(scene.load); }))
       .def_property_readonly("title", scene_field([](const auto& scene) { return scene.title; }))
       .def_property_readonly("markers", of_pad(&PadScene::markers), "of a pad; None: none")
-      .def_property_readonly("camera", of_pad(&PadScene::camera), "of a pad's markers; None: none");
+      .def_property_readonly("camera", of_pad(&PadScene::camera), "of a pad's markers; None: none")
+      .def_property_readonly("friction_map", of_pad(&PadScene::friction_map), "of a pad; None: one mu");
   m.def(
       "read_scene", [](const FileName& path) { return py::cast(AnyScene{read_any_scene(path)}); }, "path"_a,
       "Reads a scene file (TOML) of a line or a pad. Raises InputError with file, line, key and range.");

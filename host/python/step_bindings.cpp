@@ -233,7 +233,7 @@ void bind_steps(py::module_& m) {
            "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
            "object_young"_a = 0.0, "object_poisson"_a = 0.45, "markers"_a = py::none(), "camera"_a = py::none(),
            "dt"_a = 0.0,
-           "friction: [count], or one number; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
+           "friction: as of set_friction; cells: of the grid about the pad's middle, 4 to 24, along both sides or "
            "[x, y]; cell: mm, one side or [x, y]; tolerance: of the sweeps; force_tolerance: of a wrench, over P; "
            "most_solves: poses that a step by wrench may solve. By default cells cover a pad whose sides are free, "
            "about 256 of them, and are 16 x 16 of 0.5 mm on another. The grid lies within a pad whose sides are free. "
@@ -258,9 +258,12 @@ void bind_steps(py::module_& m) {
       .def(
           "set_friction",
           [](Stepper& self, const Doubles& friction) {
-            self.steps.set_friction(std::vector<double>(friction.data(), friction.data() + friction.size()));
+            PadStepper& steps = self.steps;
+            if (friction.ndim() == 2)
+              return steps.set_friction(rows_of(friction, steps.count(), steps.cell_x().size(), "friction"));
+            steps.set_friction(std::vector<double>(friction.data(), friction.data() + friction.size()));
           },
-          "friction"_a, "friction: [count], or one number, from the next step on.")
+          "friction"_a, "friction: [count], one number, or [count, cells], from the next step on.")
       .def(
           "shapes",
           [](Stepper& self, const std::variant<PadIndenter, PadShape, std::vector<PadIndenter>>& shapes,

@@ -62,11 +62,22 @@ void read_pad_indenter(const TomlFile& file, fem::PadIndenter& indenter) {
   in.finish();
 }
 
-void read_pad_friction(const TomlFile& file, double& friction) {
+void read_pad_friction(const TomlFile& file, fem::PadScene& scene) {
   TomlTable in(file, "contact");
   if (in.has_text("friction")) in.refuse("friction", "a number, 0 to 100: of a line alone it may be \"bonded\"");
-  in.read("friction", friction, "a number, 0 to 100");
+  in.read("friction", scene.friction, "a number, 0 to 100");
+  in.only_one({"friction", "friction_map"});
+  FrictionMap map;
+  const char* words = "the name of a CSV file with mu, or rows [[mu, ...], ...], one for each y";
+  if (in.read("friction_pitch", map.pitch, "the distance of the map's nodes in mm") != in.has("friction_map"))
+    in.has("friction_map") ? in.refuse_missing("friction_pitch", "given, the distance of the map's nodes in mm")
+                           : in.refuse("friction_pitch", "left out, or given with contact.friction_map");
+  if (std::string name; in.has_text("friction_map") && in.read("friction_map", name, words))
+    read_friction_csv(file.path().parent_path() / name, map);
+  else
+    in.read("friction_map", map.rows, words);
   in.finish();
+  if (in.has("friction_map")) scene.set_friction(std::move(map));
 }
 
 /// Drags in equal steps.
@@ -150,7 +161,7 @@ fem::PadScene read_pad(const TomlFile& file) {
   root.finish();
   read_pad_sensor(file, scene.sensor);
   read_pad_indenter(file, scene.indenter);
-  read_pad_friction(file, scene.friction);
+  read_pad_friction(file, scene);
   read_pad_load(file, scene.load);
   if (root.has("markers")) read_markers(file, scene.markers);
   if (root.has("camera")) read_camera(file, scene.camera);

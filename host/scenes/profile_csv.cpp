@@ -48,6 +48,13 @@ void read_heights_csv(const std::filesystem::path& path, fem::HeightMap& map) {
   map.heights.array() -= map.heights.minCoeff();
 }
 
+void read_friction_csv(const std::filesystem::path& path, FrictionMap& map) {
+  NumberLines lines(path.string(),
+                    {.meaning = "coefficients of friction, as many as on the first line", .quotes = false});
+  read_number_file(path, largest_table, "contact.friction_map", lines,
+                   [&](std::span<const double> row) { map.rows.emplace_back(row.begin(), row.end()); });
+}
+
 void read_places_csv(const std::filesystem::path& path, std::vector<std::array<double, 2>>& places) {
   NumberLines lines(path.string(),
                     {.count = 2, .meaning = "x and y in mm", .names = {"x", "y"}, .largest = highest, .quotes = false});

@@ -19,6 +19,10 @@ inline constexpr std::size_t longest_height_map = 1000;  ///< heights along a si
 /// heights, 2 to longest_height_map of them, and so many lines.
 void read_heights_csv(const std::filesystem::path& path, fem::HeightMap& map);
 
+/// Reads a map of friction: a line holds mu at one y, with x increasing; y increases from line to line. Throws
+/// ConfigError naming the file and the line.
+void read_friction_csv(const std::filesystem::path& path, FrictionMap& map);
+
 /// Reads places on a pad: lines of x and y, mm. Throws ConfigError naming the file and the line.
 void read_places_csv(const std::filesystem::path& path, std::vector<std::array<double, 2>>& places);
 

@@ -35,6 +35,7 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
 
 void read_contact(const TomlFile& file, double& friction) {
   TomlTable in(file, "contact");
+  in.refuse_any({"friction_map", "friction_pitch"}, left_out_of_a_line);
   const char* allowed = "a number, mu >= 0, or \"bonded\"";
   if (in.has_text("friction")) {
     std::string word;

@@ -129,6 +129,8 @@ SceneJson to_json(const fem::PadScene& scene) {
       out["markers"].erase("counts"), out["markers"].erase("pitch"), out["markers"]["places"] = scene.markers->places;
   }
   if (scene.camera) add_numbers(out["camera"], *scene.camera);
+  if (const auto& map = scene.friction_map)
+    out["contact"] = {{"friction_map", map->rows}, {"friction_pitch", map->pitch}};
   return out;
 }
 

@@ -108,6 +108,9 @@ fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   fem::PadScene scene = read_pad(file);
   if (scene.markers)
     throw file.error("markers", file.root().get("markers"), "left out of sweeps: solve and PadStepper have markers");
+  if (scene.friction_map)
+    throw file.error("contact.friction_map", file.root().get("contact")->as_table()->get("friction_map"),
+                     "left out of sweeps: solve and PadStepper take it");
   // Contacts with free sides take some ten times longer: they are asked for.
   if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
   return scene;

@@ -289,6 +289,19 @@ bool TomlTable::read(const std::string& key, std::vector<std::array<double, 2>>&
   return true;
 }
 
+bool TomlTable::read(const std::string& key, std::vector<std::vector<double>>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_array()) throw file_.error(full(key), node, what);
+  value.clear();
+  for (const toml::node& row : *node->as_array()) {
+    if (!row.is_array()) throw file_.error(full(key), &row, what);
+    value.emplace_back();
+    for (const toml::node& entry : *row.as_array()) value.back().push_back(number(entry, key, what));
+  }
+  return true;
+}
+
 bool TomlTable::read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what) {
   const toml::node* node = find(key);
   if (node == nullptr) return false;

@@ -76,6 +76,8 @@ class TomlTable {
   bool read(const std::string& key, std::array<double, 2>& value, const std::string& what);
   /// An array of such arrays.
   bool read(const std::string& key, std::vector<std::array<double, 2>>& value, const std::string& what);
+  /// An array of arrays of numbers.
+  bool read(const std::string& key, std::vector<std::vector<double>>& value, const std::string& what);
   /// One number, or an array of at least one.
   bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
   /// Reads one word of `words` and returns its index.

@@ -21,6 +21,11 @@
 #ifndef FREE_SIDES
 #define FREE_SIDES 0
 #endif
+/* FRICTION_MAP 1: each cell has its own mu. They stand behind the other rows of a lane's input. */
+#ifndef FRICTION_MAP
+#define FRICTION_MAP 0
+#endif
+#define MU(cell, vector) s->mu[FRICTION_MAP ? (cell) : 0].v[vector]
 #define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
 
 /* CELLS_Y, of steps alone: cells along y where they are not CELLS, as along x. Cell (i, j) has index i CELLS_Y + j. */
@@ -28,6 +33,7 @@
 #define CELLS_Y CELLS
 #endif
 #define COUNT (CELLS * CELLS_Y)
+#define MUS (FRICTION_MAP ? COUNT : 1)
 #define SPAN (2 * CELLS_Y + 1) /* offsets -CELLS_Y to CELLS_Y: those of the ring, too */
 #define RING (CELLS + 2)
 #define RING_PLACES (4 * (CELLS + 1))
@@ -110,7 +116,7 @@ typedef struct {
 typedef struct {
   Lanes d, x, y, twist;                             /* where the indenter is */
   Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
-  Lanes mu;                                         /* of scaled tractions */
+  Lanes mu[MUS];                                    /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
   Lanes slid;                 /* sum over the increments without a sticking cell of the rms slide of those that touch */
   Lanes slip_path;            /* the same over all increments */

@@ -64,7 +64,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v], r = ratio.v[v];
     const vreal n = touches.v[v] * LARGER(fma(r, n0 - c->n_last[i].v[v], n0), ALL_LANES(0));
     vreal x = fma(r, x0 - c->tx_last[i].v[v], x0), y = fma(r, y0 - c->ty_last[i].v[v], y0);
-    const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+    const vreal cone = MU(i, v) * n, q = fma(x, x, y * y);
     const vint outside = q > cone * cone;
     const vreal shorter = cone / sqrt(q);
     x = PICK(outside, x * shorter, x);
@@ -89,7 +89,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
 static void remember(Cells *c, const State *s) {
   ROLLED for (int k = 0; k < SUMMED(c); ++k) EACH_VECTOR(v) {
     const int i = CELL_SUMMED(c, k);
-    const vreal x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * c->n[i].v[v];
+    const vreal x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * MU(i, v) * c->n[i].v[v];
     const vint sticks = (c->n[i].v[v] > 0) & (fma(x, x, y * y) < cone * cone);
     c->gx[i].v[v] = PICK(sticks, c->gx[i].v[v], c->ux[i].v[v]);
     c->gy[i].v[v] = PICK(sticks, c->gy[i].v[v], c->uy[i].v[v]);

@@ -22,7 +22,7 @@ OUTLINE void first_pose(const Influence *influence, const Stiffness *stiff, glob
   totals(influence, c, s, &f);
   take_centre(influence, s, c, w);
   EACH_VECTOR(v) {
-    global const vreal *in = input + v * STEP_INPUT_ROWS + STEP_TO, *kept = numbers + v * rows;
+    global const vreal *in = input + v * INPUT_ROWS + STEP_TO, *kept = numbers + v * rows;
     const vint mine = s->valid.v[v];
     const vreal T = PICK(mine, in[0], ALL_LANES(0)), X = PICK(mine, in[1], ALL_LANES(0)),
                 Y = PICK(mine, in[2], ALL_LANES(0)), M = PICK(mine, in[3], ALL_LANES(0)), P = f.P.v[v];

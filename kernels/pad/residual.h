@@ -29,7 +29,7 @@ OUTLINE void residual_of_cells(const Influence *influence, const Cells *c, const
     const int i = CELL_SUMMED(c, k);
     const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v],
                 gap = (c->open[i].v[v] - c->uz[i].v[v]) * influence->root_zz * per_d.v[v];
-    const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
+    const vreal length = sqrt(fma(x, x, y * y)), edge = MU(i, v) * n;
     const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
     const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
     const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),

@@ -13,7 +13,7 @@ OUTLINE vreal margin_of(const Influence *influence, const Cells *c, const State 
   vreal grip = 0, centre_x = 0, centre_y = 0, r2 = 0;
   for (int k = 0; k < c->listed; ++k) {
     const int i = c->list[k];
-    const vreal g = s->mu.v[v] * c->n[i].v[v];
+    const vreal g = MU(i, v) * c->n[i].v[v];
     const side x = x_of(influence, i), y = y_of(influence, i);
     grip += g;
     centre_x = fma(g, ALL_LANES(x), centre_x);
@@ -37,7 +37,7 @@ OUTLINE vreal margin_of(const Influence *influence, const Cells *c, const State 
     vreal lambda = 0, K = 0, Kx = 0, Ky = 0, Kw = 0;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
-      const vreal g = s->mu.v[v] * c->n[i].v[v] * per_grip;
+      const vreal g = MU(i, v) * c->n[i].v[v] * per_grip;
       const vreal x = (x_of(influence, i) - centre_x) * per_length, y = (y_of(influence, i) - centre_y) * per_length;
       const vreal sx = fma(-w, y, vx), sy = fma(w, x, vy), slip = sqrt(fma(sx, sx, sy * sy));
       const vreal weight = g / LARGER(slip, ALL_LANES((real)1e-6));

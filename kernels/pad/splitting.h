@@ -111,7 +111,7 @@ OUTLINE void apply_laws(int most_sweeps, Cells *c, State *s, Split *w) {
                 ay = fma(ALPHA, vy - y0, y0) + w->y[2][i].v[v];
     const vreal n = LARGER(w->gives_n[i].v[v] * an, ALL_LANES(0));
     vreal x = gives_t * ax, y = gives_t * ay;
-    const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+    const vreal cone = MU(i, v) * n, q = fma(x, x, y * y);
     const vint slips = q > cone * cone;
     const vreal shorter = cone / sqrt(q);
     x = PICK(slips, x * shorter, x);
@@ -152,7 +152,7 @@ OUTLINE void start_splitting(const Influence *influence, int wide_from, Cells *c
   }
   if (!any_of(&w->wide)) return;
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], q = fma(x, x, y * y), cone = s->mu.v[v] * n,
+    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], q = fma(x, x, y * y), cone = MU(i, v) * n,
                 turn = s->change_twist.v[v] / s->half_size, unit = 1 / (w->rho_t * influence->root_tt);
     const vreal slip_x = (s->change_x.v[v] - turn * (s->y_middle.v[v] + y_of(influence, i))) * unit,
                 slip_y = (s->change_y.v[v] + turn * (s->x_middle.v[v] + x_of(influence, i))) * unit;

@@ -34,7 +34,7 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
       const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
       const vreal n = LARGER(fma(step, uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
       vreal x = fma(step_t, c->gx[i].v[v] - ux.v[v], x0), y = fma(step_t, c->gy[i].v[v] - uy.v[v], y0);
-      const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+      const vreal cone = MU(i, v) * n, q = fma(x, x, y * y);
       const vint slips = q > cone * cone;
       const vreal shorter = cone / sqrt(q);
       x = PICK(slips, x * shorter, x);

@@ -36,7 +36,7 @@ OUTLINE void totals(const Influence *influence, const Cells *c, const State *s, 
     vreal P = 0, X = 0, Y = 0, M = 0, stick = 0, touch = 0;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
-      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * s->mu.v[v] * n;
+      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * MU(i, v) * n;
       P += n;
       X += x;
       Y += y;
@@ -59,7 +59,14 @@ static vreal asked_margin(const Influence *influence, const Cells *c, const Stat
   const vreal X = w->W[0].v[v], Y = w->W[1].v[v];
   const vreal M = w->W[2].v[v] * s->half_size + (w->centre_x.v[v] * Y - w->centre_y.v[v] * X);
   const vreal margin = margin_of(influence, c, s, v, unit * X, unit * Y, unit * M);
-  return PICK(s->mu.v[v] > 0, margin * P / LARGER(w->P.v[v], ALL_LANES(LEAST_FORCE)), ALL_LANES(NO_BOUND));
+#if FRICTION_MAP
+  vreal grip = 0;
+  for (int k = 0; k < c->listed; ++k) grip += MU(c->list[k], v) * c->n[c->list[k]].v[v];
+  const vint rubs = (grip > 0) | NOT(P > 0);
+#else
+  const vint rubs = MU(0, v) > 0;
+#endif
+  return PICK(rubs, margin * P / LARGER(w->P.v[v], ALL_LANES(LEAST_FORCE)), ALL_LANES(NO_BOUND));
 }
 
 /* Forces in the search's unknowns. */

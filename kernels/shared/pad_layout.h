@@ -48,7 +48,7 @@ enum PadPairNumber {
 #define PAIRS_ROW_AT(cells) (PAIRS_SHARES_AT(cells) + 16 * (cells) * (cells))
 #define PAIRS_NUMBERS(cells) (PAIRS_ROW_AT(cells) + MOST_SIDE_NODES * MOST_SIDE_NODES * PAD_BLOCK)
 
-/* Rows of `lane_input`, [group][vector][PAD_INPUT_ROWS][lane]. */
+/* Rows of `lane_input`, [group][vector][PAD_INPUT_ROWS][lane]; with FRICTION_MAP mu of each cell follows. */
 enum PadInputRow {
   PAD_MU = 0,
   PAD_STEPS,    /* increments of this lane's path */

@@ -3,7 +3,7 @@
 #ifndef TACTEL_PAD_STEP_LAYOUT_H
 #define TACTEL_PAD_STEP_LAYOUT_H
 
-/* Rows of `input`, [group][vector][STEP_INPUT_ROWS][lane]. */
+/* Rows of `input`, [group][vector][STEP_INPUT_ROWS][lane]; with FRICTION_MAP mu of each cell follows. */
 enum PadStepInputRow {
   STEP_MU = 0,
   STEP_AXIS_X, /* the object's axis on the pad, about which twist and torque are */

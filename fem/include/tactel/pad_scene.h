@@ -53,6 +53,14 @@ inline Pad with_layers(Pad pad) {
   return pad;
 }
 
+/// Coulomb's mu over the skin of a pad, in place of one number: on a grid about the pad's middle, bilinear between
+/// nodes, constant beyond the outermost.
+struct FrictionMap {
+  std::vector<std::vector<double>> rows{};  ///< [along y][along x] 0 to 100; 1 to 64 along each
+  double pitch = 1.0;                       ///< mm, from node to node
+  bool operator==(const FrictionMap&) const = default;
+};
+
 /// Marks within the rubber of a pad, which move with it. They lie on a grid about the pad's middle, or at places.
 struct Markers {
   std::array<int, 2> counts{9, 7};              ///< along x and y

@@ -176,9 +176,9 @@ struct PadContact<Real>::State {
   }
   std::size_t count() const { return static_cast<std::size_t>(options.cells) * options.cells; }
 
-  const Program& program(int vectors) {
+  const Program& program(int vectors, bool mapped) {
     const std::lock_guard lock(making);
-    auto& program = programs[vectors];
+    auto& program = programs[{vectors, mapped}];
     if (!program) {
       const bool free = vectors == free_sides;
       Defines defines{{"REAL", real_type(precision())},
@@ -186,6 +186,7 @@ struct PadContact<Real>::State {
                       {"CELLS", std::to_string(options.cells)},
                       {"VECTORS", std::to_string(std::max(vectors, 1))},
                       {"OWN_TABLES", std::to_string(vectors == own_tables)}};
+      if (mapped) defines.emplace_back("FRICTION_MAP", "1");
       if (free)
         for (const auto& define : Defines{{"FREE_SIDES", "1"}, {"WIDE", std::to_string(device().lanes(precision()))}})
           defines.push_back(define);
@@ -217,7 +218,7 @@ struct PadContact<Real>::State {
   Buffer<Real> responses(const std::vector<OnCells>& on_cells, std::vector<std::int32_t>& response_of);
   void lay_on_pad(Scenes& scenes, std::vector<OnCells>& all);
   std::vector<OnCells> on_cells(Scenes& scenes);
-  LaneScenes<Real> numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes) const;
+  LaneScenes<Real> numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes, bool mapped) const;
   Buffer<Real> shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
                              std::vector<std::int32_t>& table_of_group);
   Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes, std::size_t width);
@@ -239,7 +240,7 @@ struct PadContact<Real>::State {
   fem::PadOptions options;
   PadSearch<Real> search;
   std::mutex making;                                                    ///< of what is made at first use
-  std::map<int, std::unique_ptr<Program>> programs;                     ///< by vectors, or own_tables
+  std::map<std::pair<int, bool>, std::unique_ptr<Program>> programs;    ///< by vectors, or own_tables; with a map
   std::list<std::shared_ptr<const PadTables>> kept_tables, kept_means;  ///< the last used first
   PadSideTables<Real> side_tables;
   std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
@@ -253,6 +254,7 @@ struct PadContact<Real>::Laid : LaneState<Real> {
   std::size_t stress_groups = 0;
   int tactels = 0, parts = 0;  ///< of the sensor; points of a tactel
   int stress_rows = 0;
+  bool mapped = false;  ///< some scene has a map of friction
   Buffer<Real> tables, own_tables, stress_tables, shares, points, weights;
   Buffer<std::int32_t> table_of_group;
   LaneArray<Real> heights, places, cell_forces;
@@ -351,7 +353,8 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
 }
 
 template <class Real>
-LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes) const {
+LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes,
+                                                  bool mapped) const {
   LaneScenes<Real> all;
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
@@ -377,6 +380,8 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
       input[PAD_BLOCK_X] = at[0], input[PAD_BLOCK_Y] = at[1];
     }
     for (const double number : input) put(all.inputs, number);
+    if (mapped)
+      for (const double mu : fem::friction_on_cells(cells, scene)) put(all.inputs, mu);
     int slot = 0;
     for (const auto& [to, asked, dt] : path) {
       double target[PAD_PATH_ROWS] = {};
@@ -559,36 +564,37 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
 
 template <class Real>
 Launch PadContact<Real>::State::contact_launch(const Laid& b, int vectors, std::size_t first) {
-  return executor.prepare(program(vectors), b.free ? "pad_free_contact" : "pad_contact", [&](KernelArguments& kernel) {
-    if (b.free) {
-      kernel.set("pairs", b.between);  // until it is run
-      kernel.set("layers", b.own_tables);
-      kernel.set("softs", b.softs.numbers);
-      kernel.set("between", b.between);
-      bind_sides(b, kernel);
-      kernel.set("first_scene", std::int32_t(first));
-    } else {
-      kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
-      kernel.set("table_of", b.table_of_group);
-      kernel.set("first_vector", std::int32_t(first));
-    }
-    kernel.set("lane_input", b.input.numbers);
-    kernel.set("path", b.path.numbers);
-    kernel.set("heights", b.heights.numbers);
-    kernel.set("increments", std::int32_t(b.increments));
-    kernel.set("slots", std::int32_t(b.steps));
-    kernel.set("write_forces", std::int32_t(1));
-    kernel.set("tolerance", Real(options.tolerance));
-    kernel.set("accept", Real(options.accept));
-    kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
-    kernel.set("result", b.results.numbers);
-    kernel.set("forces", b.cell_forces.numbers);
-  });
+  return executor.prepare(program(vectors, b.mapped), b.free ? "pad_free_contact" : "pad_contact",
+                          [&](KernelArguments& kernel) {
+                            if (b.free) {
+                              kernel.set("pairs", b.between);  // until it is run
+                              kernel.set("layers", b.own_tables);
+                              kernel.set("softs", b.softs.numbers);
+                              kernel.set("between", b.between);
+                              bind_sides(b, kernel);
+                              kernel.set("first_scene", std::int32_t(first));
+                            } else {
+                              kernel.set("tables", vectors == host::own_tables ? b.own_tables : b.tables);
+                              kernel.set("table_of", b.table_of_group);
+                              kernel.set("first_vector", std::int32_t(first));
+                            }
+                            kernel.set("lane_input", b.input.numbers);
+                            kernel.set("path", b.path.numbers);
+                            kernel.set("heights", b.heights.numbers);
+                            kernel.set("increments", std::int32_t(b.increments));
+                            kernel.set("slots", std::int32_t(b.steps));
+                            kernel.set("write_forces", std::int32_t(1));
+                            kernel.set("tolerance", Real(options.tolerance));
+                            kernel.set("accept", Real(options.accept));
+                            kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
+                            kernel.set("result", b.results.numbers);
+                            kernel.set("forces", b.cell_forces.numbers);
+                          });
 }
 
 template <class Real>
 Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
-  return executor.prepare(program(vectors), "pad_base_stress", [&](KernelArguments& kernel) {
+  return executor.prepare(program(vectors, b.mapped), "pad_base_stress", [&](KernelArguments& kernel) {
     kernel.set("layer", b.stress_tables);
     kernel.set("layer_rows", std::int32_t(b.stress_rows));
     kernel.set("rows_a_thickness", Real(PadTables::stress_rows_a_thickness));
@@ -614,7 +620,7 @@ void PadContact<Real>::State::bind_sides(const Laid& b, KernelArguments& kernel)
 
 template <class Real>
 Launch PadContact<Real>::State::side_stress_launch(const Laid& b) {
-  return executor.prepare(program(free_sides), "pad_side_stress", [&](KernelArguments& kernel) {
+  return executor.prepare(program(free_sides, b.mapped), "pad_side_stress", [&](KernelArguments& kernel) {
     kernel.set("responses", b.responses);
     kernel.set("response_of", b.response_of);
     bind_sides(b, kernel);
@@ -718,12 +724,14 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   Laid& b = *laid;
   b.contact = state_;
   b.on_cells = s.on_cells(scenes);
-  LaneScenes<Real> numbers = s.numbers(b.on_cells, scenes);
+  b.mapped = std::ranges::any_of(b.on_cells, [](const OnCells& of) { return of.scene.friction_map.has_value(); });
+  LaneScenes<Real> numbers = s.numbers(b.on_cells, scenes, b.mapped);
   b.free = !b.on_cells.empty() && b.on_cells.front().sides.kernel;
   const std::size_t width = b.free ? 1 : s.width();
   const PadLanes lanes =
       b.free ? each_alone(b.on_cells.size()) : in_lanes<Real>(b.on_cells, numbers.scenes, s.options, width);
-  b.lay_out(s.executor, std::move(numbers), lanes.in_lane, width, 1, PAD_INPUT_ROWS, PAD_PATH_ROWS);
+  b.lay_out(s.executor, std::move(numbers), lanes.in_lane, width, 1, PAD_INPUT_ROWS + b.mapped * s.count(),
+            PAD_PATH_ROWS);
 
   std::vector<std::int32_t> table_of_group;
   b.tables = s.shared_tables(b.on_cells, lanes, table_of_group);
@@ -797,6 +805,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
   for (int k = 0; k < count; ++k)
     solution.places.row(k) = (turn * Eigen::Vector2d(cells.x(k / cells.n), cells.y(k % cells.n))).transpose() +
                              Eigen::RowVector2d(scene.indenter.position[0], scene.indenter.position[1]);
+  const Eigen::VectorXd mu = fem::friction_on_cells(cells, scene);
   std::vector<double> stress(3 * static_cast<std::size_t>(laid_->tactels));
   for (int k = 0; k < answer.steps; ++k) {
     const auto result = [&](int row) { return answer.result(k, row); };
@@ -805,16 +814,17 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
         return solvable ? static_cast<double>(view.force(i, k, static_cast<int>(part * count + cell))) : 0;
       });
     };
-    fem::PadStep step = pad_step(result, targets[static_cast<std::size_t>(k)], scene.friction);
-    step.normal_force = forces(0);
+    const Eigen::VectorXd pressing = forces(0);
+    fem::PadStep step = pad_step(result, targets[static_cast<std::size_t>(k)], fem::mean_friction(scene, mu, pressing));
+    step.normal_force = pressing;
     Eigen::MatrixX2d own(count, 2);
     own << forces(1), forces(2);
     const double inside = std::is_same_v<Real, float> ? 1 - 1e-6 : 1 - 1e-12;
     for (Eigen::Index c = 0; c < count; ++c) {
       const double n = step.normal_force[c];
-      step.status.push_back(!(n > 0)                                          ? fem::GapStatus::open
-                            : own.row(c).norm() < inside * scene.friction * n ? fem::GapStatus::stick
-                                                                              : fem::GapStatus::slip);
+      step.status.push_back(!(n > 0)                                 ? fem::GapStatus::open
+                            : own.row(c).norm() < inside * mu[c] * n ? fem::GapStatus::stick
+                                                                     : fem::GapStatus::slip);
     }
     step.tangential_force = own * turn.transpose();
     if (solvable) answer.tactels(k, std::span(stress));
@@ -832,7 +842,7 @@ std::array<double, 4> free_block(const fem::PadSensor& sensor) {
 
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu) {
   auto step = step_of<fem::PadStep>(row, mu);
-  step.x = target.x, step.y = target.y, step.twist = target.twist;
+  step.x = target.x, step.y = target.y, step.twist = target.twist, step.mu = mu;
   step.Q = {row(PAD_RESULT_QX), row(PAD_RESULT_QY)}, step.M = row(PAD_RESULT_M);
   if (step.slip_index) {
     step.slip_index = std::min(1.0, *step.slip_index);  // fp32 rounds beyond it

@@ -25,7 +25,8 @@ std::array<double, 4> free_block(const fem::PadSensor& sensor);
 /// Returns the sides -x, +x, -y, +y of its own frame beyond which the surface is penetrated: there its cells must grow.
 std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
 
-/// Returns the step of a scene with friction mu from its PadResultRow numbers, without forces of cells and stresses.
+/// Returns the step of a scene with friction mu (fem::mean_friction) from its PadResultRow numbers, without forces of
+/// cells and stresses.
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu);
 
 /// Contact of scenes on pads, each on its own cells over what its indenter touches; a scene whose cells are not

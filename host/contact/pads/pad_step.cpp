@@ -204,13 +204,15 @@ fem::PadCells cells_of(const StepOptions& options) {
 
 template <class Real>
 struct PadStepper<Real>::State {
-  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given, PairInfluence pairs)
+  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, std::size_t frictions,
+        const StepOptions& given, PairInfluence pairs)
       : executor(executor), pad(pad), count(count) {
     fem::validate(pad);
     options = with_grid(pad, given);
     check(options);
     if (options.object_young > 0) object = {pad.young / options.object_young, options.object_poisson};
     cells = cells_of(options);
+    mapped = is_map(frictions);
     const fem::Interval solvable = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
     for (const double cell : {cells.hx, cells.hy})
       if (cell < solvable.left || cell > solvable.right)
@@ -235,11 +237,10 @@ struct PadStepper<Real>::State {
     const auto threads = static_cast<std::size_t>(executor.threads());
     vectors = wide && cells.count() <= 144 && count >= 4 * width * threads ? 2 : 1;
     places = (count + lanes() - 1) / lanes() * lanes();
-    Defines defines{{"REAL", real_type(precision)},       {"LANES", std::to_string(width)},
-                    {"CELLS", std::to_string(cells.n)},   {"CELLS_Y", std::to_string(cells.ny())},
-                    {"VECTORS", std::to_string(vectors)}, {"DENSE", std::to_string(!pairs.empty())}};
+    defines = {{"REAL", real_type(precision)},       {"LANES", std::to_string(width)},
+               {"CELLS", std::to_string(cells.n)},   {"CELLS_Y", std::to_string(cells.ny())},
+               {"VECTORS", std::to_string(vectors)}, {"DENSE", std::to_string(!pairs.empty())}};
     if (!pad.relaxation.empty()) defines.emplace_back("CREEP_TERMS", std::to_string(pad.relaxation.size()));
-    program.emplace(device, "pad_step.cl", defines);
     wide_from = static_cast<int>(std::ceil(wide_share * cells.count()));
     make_tables(pairs);
     make_arrays();
@@ -258,7 +259,11 @@ struct PadStepper<Real>::State {
     return (contact / width * rows + row) * width + contact % width;
   }
 
+  std::size_t input_rows() const { return STEP_INPUT_ROWS + mapped * cell_count(); }
+  bool is_map(std::size_t frictions) const { return frictions == count * cell_count(); }
+
   void check_count() const;
+  void take_map();
   std::vector<Real> head() const;
   void check_state(std::span<const Real> numbers) const;
   void make_tables(const PairInfluence& pairs);
@@ -282,7 +287,9 @@ struct PadStepper<Real>::State {
   std::optional<fem::PadSides> sides{};  ///< free ones
   double root_zz = 0, root_tt = 0, rho_n = 1, rho_t = 1, kt = 0, kr = 0;
   double reach = usual_reach;
-  int wide_from = 0;  ///< cells in the window of a contact that is split
+  int wide_from = 0;    ///< cells in the window of a contact that is split
+  bool mapped = false;  ///< each cell has its own mu
+  Defines defines;
   std::optional<Program> program;
   Buffer<Real> table, blocks, input, heights, soft, state, result;
   std::optional<Launch> step_launch;
@@ -392,7 +399,7 @@ void PadStepper<Real>::State::make_arrays() {
     std::ranges::fill(all.view(), number);
     return buffer;
   };
-  input = filled(STEP_INPUT_ROWS, 0);
+  input = filled(input_rows(), 0);
   put_input(STEP_BEYOND, 1, std::vector<double>(count, -1), std::array{1.0});
   heights = filled(cell_count(), Real(PAD_OPEN)), soft = filled(cell_count(), 0);
   state = filled(rows(), 0), result = filled(STEP_RESULT_ROWS, 0);
@@ -405,6 +412,9 @@ void PadStepper<Real>::State::make_arrays() {
 
 template <class Real>
 void PadStepper<Real>::State::make_launches() {
+  Defines all = defines;
+  if (mapped) all.emplace_back("FRICTION_MAP", "1");
+  program.emplace(device(), "pad_step.cl", all);
   const double H = pad.thickness;
   const fem::Accuracy accuracy = fem::by_rule<Real>({options.tolerance, 0}, fem::slow_on_patch);
   step_launch = executor.prepare(*program, "pad_step", [&](KernelArguments& kernel) {
@@ -459,10 +469,25 @@ void PadStepper<Real>::State::make_launches() {
       });
 }
 
+/// Takes a map of friction from now on.
+template <class Real>
+void PadStepper<Real>::State::take_map() {
+  if (mapped) return;
+  const std::size_t rows = input_rows();
+  std::vector<Real> before(input.size());
+  input.read(before);
+  mapped = true;
+  std::vector<Real> all(places * input_rows());
+  for (std::size_t c = 0; c < places; ++c)
+    for (std::size_t k = 0; k < rows; ++k) all[at(c, k, input_rows())] = before[at(c, k, rows)];
+  input = Buffer<Real>(device(), std::span<const Real>(all));
+  make_launches();
+}
+
 template <class Real>
 void PadStepper<Real>::State::check_count() const {
   if (count < 1) throw ValueError("count", "0", "1 or more");
-  const auto numbers = rows() + 2 * cell_count() + STEP_INPUT_ROWS + STEP_RESULT_ROWS +
+  const auto numbers = rows() + 2 * cell_count() + input_rows() + STEP_RESULT_ROWS +
                        3 * static_cast<std::size_t>(pad.tactels[0] * pad.tactels[1]) +
                        (options.markers ? 3 * fem::marker_places(*options.markers).size() : 0);
   const std::uint64_t bytes = numbers * sizeof(Real), most = memory_of(device().info()) / bytes;
@@ -525,7 +550,7 @@ void PadStepper<Real>::State::put_input(std::size_t first, std::size_t numbers, 
   const auto all = input.map();
   for (std::size_t c = 0; c < count; ++c)
     for (std::size_t k = 0; k < numbers; ++k)
-      all[at(c, first + k, STEP_INPUT_ROWS)] = static_cast<Real>(from[c * numbers + k] * units[k]);
+      all[at(c, first + k, input_rows())] = static_cast<Real>(from[c * numbers + k] * units[k]);
 }
 
 template <class Real>
@@ -586,7 +611,7 @@ void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
 template <class Real>
 PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count,
                              std::span<const double> friction, const StepOptions& options, const PairInfluence& pairs)
-    : state_(std::make_unique<State>(executor, pad, count, options, pairs)) {
+    : state_(std::make_unique<State>(executor, pad, count, friction.size(), options, pairs)) {
   set_friction(friction);
 }
 template <class Real>
@@ -623,12 +648,21 @@ std::size_t PadStepper<Real>::state_rows() const {
 
 template <class Real>
 void PadStepper<Real>::set_friction(std::span<const double> friction) {
+  State& s = *state_;
   std::vector<double> all(friction.begin(), friction.end());
   if (all.size() == 1) all.assign(count(), all.front());
-  check_size("friction", all.size(), count());
+  const std::size_t each = s.is_map(all.size()) ? s.cell_count() : 1;
+  check_size("friction", all.size(), each * count());
   for (const double mu : all)
     if (!(mu >= 0) || !std::isfinite(mu)) throw ValueError("friction", fmt::format("{}", mu), "0 or more");
-  state_->put_input(STEP_MU, 1, all, std::array{1.0});
+  if (each > 1) s.take_map();
+  std::vector<double> first(count()), map;
+  for (std::size_t c = 0; c < count(); ++c) {
+    first[c] = all[c * each];
+    for (std::size_t i = 0; s.mapped && i < s.cell_count(); ++i) map.push_back(all[c * each + (each > 1 ? i : 0)]);
+  }
+  s.put_input(STEP_MU, 1, first, std::array{1.0});
+  if (s.mapped) s.put_input(STEP_INPUT_ROWS, s.cell_count(), map, std::vector<double>(s.cell_count(), 1));
 }
 
 template <class Real>
@@ -651,7 +685,7 @@ void PadStepper<Real>::set_surface(std::size_t contact, const fem::PadSurface& s
   const auto all = s.heights.map();
   const auto softs = s.soft.map();
   s.put_heights(contact, surface.height.data(), surface.cover.data(), all.view(), softs.view());
-  s.input.map()[s.at(contact, STEP_BEYOND, STEP_INPUT_ROWS)] =
+  s.input.map()[s.at(contact, STEP_BEYOND, s.input_rows())] =
       static_cast<Real>(std::min(beyond / s.pad.thickness, double{PAD_OPEN}));
 }
 

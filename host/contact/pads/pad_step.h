@@ -38,7 +38,7 @@ inline constexpr double state_relaxation = -1;
 template <class Real>
 class PadStepper {
  public:
-  /// `friction` [count] or one for all. Throws ValueError for a pad, a number or an option that is not served.
+  /// `friction` as of set_friction. Throws ValueError for a pad, a number or an option that is not served.
   PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count, std::span<const double> friction,
              const StepOptions& options = {}, const PairInfluence& pairs = {});
   ~PadStepper();
@@ -56,7 +56,7 @@ class PadStepper {
   void set_dt(double dt);
 
   // What the next step takes. All of it stays until it is given anew. Wrong sizes throw ValueError.
-  void set_friction(std::span<const double> friction);  ///< [count] or one for all
+  void set_friction(std::span<const double> friction);  ///< [count], one for all, or [count][cells]
   /// [count][cells] mm above the lowest point of the object, +infinity where there is none; cover [count][cells] 0 to
   /// 1, or empty: 1. Numbers that are no heights, and a cover that is none, make a contact STEP_INVALID.
   template <class Number>

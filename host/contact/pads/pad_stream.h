@@ -41,7 +41,7 @@ class PadContacts {
   static Key key(const Sensor& sensor, ContactKind);
   static Key key(const Scene& scene) { return key(scene.sensor, {}); }
   static Path path(const Scene& scene) {
-    fem::refuse_creep(scene.sensor);
+    fem::refuse_creep(scene.sensor), fem::refuse_friction_map(scene);
     return {fem::pad_targets(scene.load)};
   }
   std::shared_ptr<const SensorSolver<PadContacts>> solver(const Sensor& sensor) const;

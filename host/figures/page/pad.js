@@ -37,11 +37,13 @@ class PadView extends StepView {
     this.own = k => middle.map((m, axis) => m + ((axis ? k % n : Math.floor(k / n)) - (n - 1) / 2) * sides[axis]);
     this.cut = [0, 1].map(axis => Math.min(n - 1, Math.max(0, Math.floor(n / 2 - middle[axis] / sides[axis] + 1e-6))));  // the cell below the axis
     this.quantity = 0;
+    this.mu = k => data.mu[k] ?? data.mu;  // of a cell; one number without a map
+    this.mostMu = Math.max(...[data.mu].flat());
     const size = (s, k) => Math.hypot(s.tx[k], s.ty[k]);
     this.quantities = [
       { name: "pressure p", of: (s, k) => s.p[k], most: data.most.p, unit: "MPa" },
       { name: "shear |t|", of: size, most: data.most.t, unit: "MPa" },
-      { name: "used grip |t| / µp", of: (s, k) => data.mu * s.p[k] > 0 ? Math.min(1, size(s, k) / (data.mu * s.p[k])) : 0, most: 1, unit: "" },
+      { name: "used grip |t| / µp", of: (s, k) => this.mu(k) * s.p[k] > 0 ? Math.min(1, size(s, k) / (this.mu(k) * s.p[k])) : 0, most: 1, unit: "" },
     ];
     this.readout.classList.add("pairs");
     const choice = this.choice(this.quantities.map(q => q.name), "quantity that colours the cells", k => { this.quantity = k; });
@@ -237,8 +239,8 @@ class PadView extends StepView {
   }
   // Size that torques are drawn in: the largest, at least a twentieth of what the grip can bear.
   mostTorque() {
-    const { path, mu, cells: { n, sides } } = this.data, most = values => Math.max(...values.map(v => Math.abs(v ?? 0)));
-    return Math.max(most(path.M), 0.05 * mu * most(path.P) * n * Math.max(...sides) / 2) || 1;
+    const { path, cells: { n, sides } } = this.data, most = values => Math.max(...values.map(v => Math.abs(v ?? 0)));
+    return Math.max(most(path.M), 0.05 * this.mostMu * most(path.P) * n * Math.max(...sides) / 2) || 1;
   }
   // Q as an arrow at the indenter's axis, M as an arc about it.
   forces(axes, step) {
@@ -260,17 +262,17 @@ class PadView extends StepView {
 
   // p, µp and |t| on the row of cells along one of the indenter's own axes.
   cutAlong(axis, width, step) {
-    const { cells: { n, sides }, mu, most } = this.data, row = Array.from({ length: n }, (_, i) => axis ? this.cut[0] * n + i : i * n + this.cut[1]);
+    const { cells: { n, sides }, most } = this.data, row = Array.from({ length: n }, (_, i) => axis ? this.cut[0] * n + i : i * n + this.cut[1]);
     const at = row.map(k => this.own(k)[axis]), widths = row.map(() => sides[axis]), p = row.map(k => step.p[k]), t = row.map(k => Math.hypot(step.tx[k], step.ty[k]));
-    const top = 1.06 * Math.max(most.p, most.t, Math.min(mu, 1.5) * most.p) || 1, name = ["x′", "y′"], aside = this.own(row[0])[1 - axis];
+    const top = 1.06 * Math.max(most.p, most.t, Math.min(this.mostMu, 1.5) * most.p) || 1, name = ["x′", "y′"], aside = this.own(row[0])[1 - axis];
     return html("div", {}, tractionPanel({ title: `Along ${name[axis]}, at ${name[1 - axis]} = ${number(aside, 2)} mm`, x_label: `${name[axis]} (mm)`, y_label: "traction (MPa)", x_range: [at[0] - 1.2 * sides[axis], at[n - 1] + 1.2 * sides[axis]], y_range: [0, top], width },
-      this.cutLines(at, widths, p, t), at, t, row.map(k => step.status[k])));
+      this.cutLines(at, widths, p, row.map((k, i) => this.mu(k) * p[i]), t), at, t, row.map(k => step.status[k])));
   }
-  cutLines(at, widths, p, t) {
-    return [along("pressure p", at, widths, p, "blue", "line"), along("limit µp", at, widths, p.map(v => this.data.mu * v), "grey", "dashed"), along("shear |t|", at, widths, t, "orange", "long_dashes")];
+  cutLines(at, widths, p, limit, t) {
+    return [along("pressure p", at, widths, p, "blue", "line"), along("limit µp", at, widths, limit, "grey", "dashed"), along("shear |t|", at, widths, t, "orange", "long_dashes")];
   }
   cutLegend() {
-    const key = legend(this.cutLines([], [], [], []));
+    const key = legend(this.cutLines([], [], [], [], []));
     key.style.marginTop = "1.2rem";
     key.append(...statusLegend("tl").childNodes);
     key.append(html("span", {}, "A click on a cell cuts there."));

@@ -81,10 +81,11 @@ struct PadScene {
   std::string title{};
   Pad sensor{};
   PadIndenter indenter{};
-  double friction = 0.5;  ///< mu, 0 to 100
+  double friction = 0.5;  ///< mu, 0 to 100; left out where there is a map
   PadLoad load{};
-  std::optional<Markers> markers{};  ///< none: answers have no displacements of markers
-  std::optional<Camera> camera{};    ///< of markers; none: answers have no pixels
+  std::optional<Markers> markers{};           ///< none: answers have no displacements of markers
+  std::optional<Camera> camera{};             ///< of markers; none: answers have no pixels
+  std::optional<FrictionMap> friction_map{};  ///< none: one mu
 };
 
 /// Reads the scene file of a pad (TOML). Throws InputError with file, line, key, value and what is allowed.

@@ -31,7 +31,7 @@ struct StepAnswer {
 /// leaves all contacts as they were. Not for several threads at once.
 class TACTEL_API PadStepper {
  public:
-  /// `friction` [count], or one for all. options() then has the grid.
+  /// `friction` as of set_friction. options() then has the grid.
   PadStepper(const Pad& pad, std::size_t count, std::span<const double> friction, const StepOptions& options = {});
   ~PadStepper();
   PadStepper(PadStepper&&) noexcept;
@@ -44,7 +44,8 @@ class TACTEL_API PadStepper {
   const StepOptions& options() const;
 
   void set_dt(double dt);  ///< seconds that each step takes from now on, of a pad that relaxes
-  void set_friction(std::span<const double> friction);  ///< [count], or one for all; from the next step on
+  /// [count], one for all, or [count, cells]; from the next step on.
+  void set_friction(std::span<const double> friction);
   /// One object for all contacts, or one for each, at its position and yaw.
   void set_shapes(std::span<const PadIndenter> indenters);
   /// Places of the objects [count, 3]: x, y, yaw, on the pad. Friction does not feel that: it sees motion alone.
