@@ -278,6 +278,7 @@ TEST_P(TinyBatches, PadContactWithFreeSides) {
   fem::PadScene scene = few_pads().front();
   scene.sensor.length = 8, scene.sensor.width = 7;
   scene.indenter.position = {3, 1};
+  scene.set_friction({{{0.2, 0.5}}, 6});
   const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3});
   const fem::PadSolver twin(*contact.layer({scene.sensor.poisson}), {.cells = 8});
   auto batch = contact.prepare({&scene, 1});
@@ -289,7 +290,8 @@ TEST_P(TinyBatches, PadContactWithFreeSides) {
   EXPECT_LT((found.stress - expected.stress).cwiseAbs().maxCoeff(), 1e-2 * expected.stress.cwiseAbs().maxCoeff());
 }
 
-/// By motion, then by wrench, on the smallest grid; a contact more than a vector has. Tolerance: as above.
+/// By motion, then by wrench, on the smallest grid, where friction differs from cell to cell; a contact more than a
+/// vector has. Tolerance: as above.
 TEST_P(TinyBatches, PadStep) {
   const fem::PadSensor pad{.tactels = {3, 1}};
   const fem::PadIndenter ball{.shape = fem::Sphere{.radius = 5}};
@@ -311,6 +313,10 @@ TEST_P(TinyBatches, PadStep) {
                     2e-2 * expected[0]);
   };
   steps.move(of_all({0.1, 0, 0, 0})), twin.move(0.1, {0, 0, 0});
+  const Eigen::VectorXd mu = Eigen::VectorXd::LinSpaced(16, 0.1, 0.5);
+  std::vector<double> map;
+  for (std::size_t c = 0; c < count; ++c) map.insert(map.end(), mu.begin(), mu.end());
+  steps.set_friction(map), twin.set_friction(mu);
   steps.move(of_all({0.1, 0.02, 0.01, 0.01}));
   const fem::PadWrench force = twin.move(0.1, {0.02, 0.01, 0.01}).force;
   expect_force(force);

@@ -244,6 +244,9 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
               AllOf(HasSubstr("indenter.young"), HasSubstr("left out with [load.hold]")));
   EXPECT_THAT(message_of<PadSource>(head + "[markers]\ndepth = 0.1\n"),
               AllOf(HasSubstr("markers"), HasSubstr("left out of sweeps")));
+  for (const char* map : {"[[0.5]]", "[[{ uniform = [0.1, 0.5] }]]"})
+    EXPECT_THAT(message_of<PadSource>(head + "[contact]\nfriction_pitch = 1\nfriction_map = " + map + "\n"),
+                AllOf(HasSubstr("contact.friction_map"), HasSubstr("left out of sweeps")));
   std::string creeping = head;
   creeping.insert(creeping.find("thickness = 4"), "relaxation = [[0.2, 0.5]]\n");
   EXPECT_THAT(message_of<PadSource>(creeping),
