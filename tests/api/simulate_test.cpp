@@ -104,7 +104,7 @@ TEST(SceneApi, LayersTakeThePlaceOfTheirSum) {
   Scene scene = some_scene();
   scene.sensor = {};
   scene.sensor.layers = {{1.25, 1, 0.45}, {0.25, 10, 0.48}};
-  const SmallFile file("layers.toml", toml(scene));
+  const SmallFile file("layers.toml", tactel::toml(scene));
   const Sensor sensor = read_scene(file.path()).sensor;
   EXPECT_EQ(sensor.layers, scene.sensor.layers);
   EXPECT_EQ(std::tuple(sensor.thickness, sensor.young, sensor.poisson), std::tuple(1.5, 10.0, 0.48));

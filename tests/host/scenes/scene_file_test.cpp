@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "fem/scenes/scene_numbers.h"
 #include "host/scenes/scene_json.h"
 #include "host/scenes/scene_toml.h"
 #include "host/support/errors.h"
