@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "host/python/bindings.h"
 #include "host/training/train_options.h"
 
 namespace tactel::python {

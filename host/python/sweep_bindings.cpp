@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "host/python/bindings.h"
+
 namespace tactel::python {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 
+#include "host/commands/add_option.h"
 #include "host/commands/command.h"
 #include "host/commands/live/monitor.h"
 #include "host/live/live_monitor.h"
