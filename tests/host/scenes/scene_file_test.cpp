@@ -10,7 +10,6 @@
 
 #include "fem/scenes/scene_numbers.h"
 #include "host/scenes/scene_json.h"
-#include "host/scenes/scene_toml.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 #include "tests/thrown_message.h"
