@@ -45,25 +45,26 @@ INLINE void step_by(Weight *weight, real momentum, real delta) {
   weight->w += weight->s;
 }
 
-/* As train_online, without `vectors`; order: [networks of the launch][rows]. A launch has GROUP_ITEMS items a slot. */
-__attribute__((reqd_work_group_size(GROUP_ITEMS, 1, 1))) kernel void train_group(
-    uint first_group, global real *weights, global OnlineReport *reports, global real *curve, global uint *order,
-    global const uint *slots, global const ulong *seeds, global const real *inputs, global const uint *set_of,
-    global const real *targets, uint rows, uint most_cycles, uint cycle_limit, int permuted, real rate, real momentum,
-    real stop_error) {
-  TAKE_GROUP(item);
+/* As train_online, without `vectors`; order: [networks of the launch][rows]. A launch has GROUP_ITEMS groups, one item
+   each, for a slot. */
+__attribute__((reqd_work_group_size(GROUP_ITEMS, 1, 1)))
+kernel void train_group(uint first_group, global real *weights, global OnlineReport *reports, global real *curve,
+                        global uint *order, global const uint *slots, global const ulong *seeds,
+                        global const real *inputs, global const uint *set_of, global const real *targets, uint rows,
+                        uint most_cycles, uint cycle_limit, int permuted, real rate, real momentum, real stop_error) {
+  TAKE_GROUP(group);
   local real4 x_of[2][FOURS(MOST_INPUTS + 1)], p_of[FOURS(LAST)];
 #if HIDDEN2
   local real4 o_of[2][FOURS(MOST_INPUTS + 1)], d_of[FOURS(HIDDEN2)];
 #endif
   local int status;
-  const uint network = slots[item / GROUP_ITEMS];
+  const uint network = slots[group / GROUP_ITEMS];
   if (network == NO_NETWORK || reports[network].status != ONLINE_RUNNING) return;
-  const int l = (int)(item % GROUP_ITEMS), n = l - HIDDEN1, first = l < HIDDEN1, second = n >= 0 && n < HIDDEN2,
+  const int l = (int)(group % GROUP_ITEMS), n = l - HIDDEN1, first = l < HIDDEN1, second = n >= 0 && n < HIDDEN2,
             in_last = HIDDEN2 ? second : first, into_last = HIDDEN2 ? n : l;
   global real *own = weights + (size_t)network * (2 * NETWORK_WEIGHTS);
   inputs += (size_t)set_of[network] * (rows + 1) * (INPUTS + 1);
-  order += item / GROUP_ITEMS * rows;
+  order += group / GROUP_ITEMS * rows;
   const uint done_before = reports[network].cycle;
 
 #define ROW_PLACE(k) \

@@ -225,7 +225,7 @@ TEST(PadFile, MapsOfFriction) {
   EXPECT_EQ(read("# rubbed, y by y\n0.6; 0,15; 0.2\n0.5; 0.4; 0.3\n").friction_map, map);
   EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5,0.6\n0.5\n"); }), HasSubstr("wet.csv:2: fields = 1: must be 2"));
   EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5\n-0.5\n"); }),
-              HasSubstr("scene.toml:10: contact.friction_map = -0.5: must be coefficients of friction, 0 to 100"));
+              HasSubstr("scene.toml:11: contact.friction_map = -0.5: must be coefficients of friction, 0 to 100"));
   EXPECT_THAT(thrown_message<ConfigError>([&] { read(""); }), HasSubstr("contact.friction_map = 0 rows"));
   std::filesystem::remove(folder / "wet.csv");
   EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(file); }), HasSubstr("a readable CSV file"));
