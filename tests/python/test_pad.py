@@ -148,7 +148,7 @@ class Values(unittest.TestCase):
         np.testing.assert_array_equal(even.tangential_force, dry.tangential_force)
         self.assertGreater(np.abs(uneven.slip_index[-1] - dry.slip_index[-1]), 0.01)
         for wrong, fix in ((scene.with_(friction=0.3), "contact.friction: 0.3; .*left out beside"),
-                           (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2 numbers in a row")):
+                           (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2; ")):
             with self.assertRaisesRegex(tactel.InputError, fix):
                 wrong.validate()
         with self.assertRaisesRegex(tactel.InputError, r"scenes\[1\].*contact.friction_map.*solve and PadStepper"):

@@ -96,7 +96,8 @@ TEST(PadFrictionMap, OneMuHasTheBitsOfANumber) {
 TEST(PadFrictionMap, ManyPathsRefuseIt) {
   fem::PadScene scene = mix(rubber, 1)[0];
   scene.set_friction(blotched);
-  expect_value_error([&] { PadContacts::path(scene); }, "contact.friction_map", "0 to 0.9", "left out of many paths");
+  expect_value_error([&] { PadContacts::path(scene); }, "contact.friction_map", "0.9 at most",
+                     "left out of many paths");
 }
 
 // ---- steps
