@@ -156,35 +156,25 @@ void PadLoad::validate() const {
 namespace {
 
 void check_map(const FrictionMap& map) {
-  constexpr std::size_t most = 64;
-  const char* key = "contact.friction_map";
-  const auto check_count = [&](std::size_t count, const char* what, std::size_t least, std::size_t largest) {
-    if (count < least || count > largest)
-      throw ValueError(key, std::to_string(count) + what, "1 to 64 rows, each of as many numbers, 1 to 64");
+  const char *key = "contact.friction_map", *allowed = "1 to 64 rows, each of as many numbers, 1 to 64";
+  const auto check_count = [&](std::size_t count, bool good) {
+    check(good && count >= 1 && count <= 64, key, static_cast<double>(count), allowed);
   };
-  check_count(map.rows.size(), " rows", 1, most);
-  const std::size_t columns = map.rows.front().size();
+  check_count(map.rows.size(), true);
   for (const std::vector<double>& row : map.rows) {
-    check_count(row.size(), " numbers in a row", std::max<std::size_t>(columns, 1), std::min(columns, most));
+    check_count(row.size(), row.size() == map.rows[0].size());
     for (const double mu : row) check(mu >= 0 && mu <= 100, key, mu, "coefficients of friction, 0 to 100");
   }
   check_length("contact.friction_pitch", map.pitch);
 }
 
-/// The ends of the friction.
-Interval friction_range(const PadScene& scene) {
-  if (!scene.friction_map) return {scene.friction, scene.friction};
-  Interval range = nowhere;
-  for (const std::vector<double>& row : scene.friction_map->rows)
-    for (const double mu : row) range = {std::min(range.left, mu), std::max(range.right, mu)};
-  return range;
-}
-
 }  // namespace
 
 void PadScene::set_friction(FrictionMap map) {
+  friction = 0;
+  for (const std::vector<double>& row : map.rows)
+    for (const double mu : row) friction = std::max(friction, mu);
   friction_map = std::move(map);
-  friction = friction_range(*this).right;
 }
 
 Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& places) {
@@ -203,8 +193,7 @@ Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& place
 }
 
 std::string friction_text(const PadScene& scene) {
-  const auto [least, most] = friction_range(scene);
-  return (least < most ? number_text(least) + " to " : "") + number_text(most);
+  return number_text(scene.friction) + (scene.friction_map ? " at most" : "");
 }
 
 void refuse_friction_map(const PadScene& scene) {

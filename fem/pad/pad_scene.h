@@ -135,7 +135,7 @@ struct PadScene {
 
 /// Returns mu at places on the pad, [places] mm.
 Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& places);
-/// Returns "0.5", or "0.15 to 0.6" of a map.
+/// Returns "0.5", or "0.5 at most" of a map.
 std::string friction_text(const PadScene& scene);
 /// Throws ValueError for a map, where each scene has one number.
 void refuse_friction_map(const PadScene& scene);

@@ -98,15 +98,9 @@ void bind_markers(py::module_& m) {
       "counts: (along x, along y) about the pad's middle; pitch: mm, one number or (x, y); depth: mm below the "
       "surface; places: mm, (x, y) of each, in place of counts and pitch.");
   numbers_class<Camera>(m, "Camera", "A pinhole camera below the middle of a pad, which looks up at its markers.");
-}
-
-void bind_friction(py::module_& m) {
   value_class<FrictionMap>(m, "FrictionMap", "mu over the skin of a pad, on a grid about its middle.",
                            {"rows", "pitch"})
-      .def(py::init([](std::vector<std::vector<double>> rows, double pitch) {
-             return FrictionMap{std::move(rows), pitch};
-           }),
-           "rows"_a, "pitch"_a = FrictionMap{}.pitch,
+      .def(py::init<std::vector<std::vector<double>>, double>(), "rows"_a, "pitch"_a = FrictionMap{}.pitch,
            "rows: mu of the nodes, one row for each y, x and y increasing; pitch: mm, from node to node.")
       .def_readonly("rows", &FrictionMap::rows)
       .def_readonly("pitch", &FrictionMap::pitch, "mm");
@@ -139,7 +133,6 @@ void bind_pads(py::module_& m) {
   bind_pad_shapes(m);
   bind_pad_sensor(m);
   bind_markers(m);
-  bind_friction(m);
   bind_pad_load(m);
 }
 

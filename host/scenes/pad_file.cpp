@@ -59,15 +59,13 @@ void read_pad_friction(const TomlFile& file, fem::PadScene& scene) {
   in.only_one({"friction", "friction_map"});
   FrictionMap map;
   const char* words = "the name of a CSV file with mu, or rows [[mu, ...], ...], one for each y";
-  if (in.read("friction_pitch", map.pitch, "the distance of the map's nodes in mm") != in.has("friction_map"))
-    in.has("friction_map") ? in.refuse_missing("friction_pitch", "given, the distance of the map's nodes in mm")
-                           : in.refuse("friction_pitch", "left out, or given with contact.friction_map");
+  const bool spaced = in.read("friction_pitch", map.pitch, "the distance of the map's nodes in mm");
   if (std::string name; in.has_text("friction_map") && in.read("friction_map", name, words))
     read_friction_csv(file.path().parent_path() / name, map);
   else
     in.read("friction_map", map.rows, words);
   in.finish();
-  if (in.has("friction_map")) scene.set_friction(std::move(map));
+  if (spaced || in.has("friction_map")) scene.set_friction(std::move(map));
 }
 
 /// Drags in equal steps.

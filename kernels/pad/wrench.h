@@ -59,14 +59,9 @@ static vreal asked_margin(const Influence *influence, const Cells *c, const Stat
   const vreal X = w->W[0].v[v], Y = w->W[1].v[v];
   const vreal M = w->W[2].v[v] * s->half_size + (w->centre_x.v[v] * Y - w->centre_y.v[v] * X);
   const vreal margin = margin_of(influence, c, s, v, unit * X, unit * Y, unit * M);
-#if FRICTION_MAP
-  vreal grip = 0;
-  for (int k = 0; k < c->listed; ++k) grip += MU(c->list[k], v) * c->n[c->list[k]].v[v];
-  const vint rubs = (grip > 0) | NOT(P > 0);
-#else
-  const vint rubs = MU(0, v) > 0;
-#endif
-  return PICK(rubs, margin * P / LARGER(w->P.v[v], ALL_LANES(LEAST_FORCE)), ALL_LANES(NO_BOUND));
+  vreal grip = FRICTION_MAP ? PICK(P > 0, ALL_LANES(0), ALL_LANES(1)) : MU(0, v);
+  for (int k = 0; k < FRICTION_MAP * c->listed; ++k) grip += MU(c->list[k], v) * c->n[c->list[k]].v[v];
+  return PICK(grip > 0, margin * P / LARGER(w->P.v[v], ALL_LANES(LEAST_FORCE)), ALL_LANES(NO_BOUND));
 }
 
 /* Forces in the search's unknowns. */

@@ -133,7 +133,7 @@ class Values(unittest.TestCase):
             tactel.PadStepper(pad, 1, 1.0, markers=tactel.Markers(depth=5.0))
 
     def test_friction_map(self):
-        wet = tactel.FrictionMap([[0.6, 0.6, 0.1], [0.5, 0.5, 0.2]], 1.0)
+        wet = tactel.FrictionMap([[0.5, 0.5, 0.1], [0.5, 0.5, 0.2]], 1.0)
         scene = SPHERE.with_(friction_map=wet)
         self.assertEqual((wet.rows[1], wet.pitch, SPHERE.friction_map), ([0.5, 0.5, 0.2], 1.0, None))
         self.assertEqual(eval(repr(wet), vars(tactel)), wet)
@@ -146,9 +146,9 @@ class Values(unittest.TestCase):
         even, dry, uneven = (tactel.solve(s, precision="fp64") for s in (one, SPHERE, scene))
         np.testing.assert_array_equal(even.normal_force, dry.normal_force)
         np.testing.assert_array_equal(even.tangential_force, dry.tangential_force)
-        self.assertGreater(np.abs(uneven.slip_index[-1] - dry.slip_index[-1]), 0.01)
+        self.assertTrue((uneven.slip_index[1:] > dry.slip_index[1:]).all())  # less friction in a part of it
         for wrong, fix in ((scene.with_(friction=0.3), "contact.friction: 0.3; .*left out beside"),
-                           (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2 numbers in a row")):
+                           (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2; ")):
             with self.assertRaisesRegex(tactel.InputError, fix):
                 wrong.validate()
         with self.assertRaisesRegex(tactel.InputError, r"scenes\[1\].*contact.friction_map.*solve and PadStepper"):
@@ -163,22 +163,22 @@ class Values(unittest.TestCase):
         steps.set_friction(mu)
         first = pickle.loads(pickle.dumps(steps))
         for k in range(3):
-            steps.move([[0.2, 0.02 * k, 0, 0]])
+            steps.move([0.2, 0.02 * k, 0, 0])
         again = pickle.loads(pickle.dumps(steps))
         for one in (steps, again):
-            out = one.move([[0.2, 0.06, 0, 0]])
+            out = one.move([0.2, 0.06, 0, 0])
             S, n, t = out.slip_index.copy(), *np.split(one.tractions(), [1], axis=1)
             self.assertTrue(S[0] > S[1] > S[2])
             self.assertTrue((np.hypot(*t.swapaxes(0, 1)) <= mu * n[:, 0] * (1 + 1e-5) + 1e-12).all())
         np.testing.assert_array_equal(steps.state(), again.state())
         for k in range(4):
-            first.move([[0.2, 0.02 * k, 0, 0]])
+            first.move([0.2, 0.02 * k, 0, 0])
         np.testing.assert_array_equal(steps.state(), first.state())
         dry = tactel.PadStepper(SPHERE.sensor, 3, np.broadcast_to(0.5, (3, 144)), cells=12, cell=0.3)
         dry.set_friction(0.5)
         dry.shapes(tactel.Sphere(8.0))
         dry.set_state(steps.state())
-        self.assertFalse(np.array_equal(dry.move([[0.2, 0.08, 0, 0]]).force, steps.move([[0.2, 0.08, 0, 0]]).force))
+        self.assertFalse(np.array_equal(dry.move([0.2, 0.08, 0, 0]).force, steps.move([0.2, 0.08, 0, 0]).force))
         for wrong in (mu.T, mu[:2], np.full((3, 144), -0.1), np.full(144, 0.5)):
             with self.assertRaisesRegex(tactel.InputError, "friction"):
                 steps.set_friction(wrong)

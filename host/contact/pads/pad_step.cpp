@@ -204,15 +204,13 @@ fem::PadCells cells_of(const StepOptions& options) {
 
 template <class Real>
 struct PadStepper<Real>::State {
-  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, std::size_t frictions,
-        const StepOptions& given, PairInfluence pairs)
+  State(Executor& executor, const fem::PadSensor& pad, std::size_t count, const StepOptions& given, PairInfluence pairs)
       : executor(executor), pad(pad), count(count) {
     fem::validate(pad);
     options = with_grid(pad, given);
     check(options);
     if (options.object_young > 0) object = {pad.young / options.object_young, options.object_poisson};
     cells = cells_of(options);
-    mapped = is_map(frictions);
     const fem::Interval solvable = fem::solvable_sides(pad.thickness, 0.1 * pad.thickness);
     for (const double cell : {cells.hx, cells.hy})
       if (cell < solvable.left || cell > solvable.right)
@@ -260,7 +258,6 @@ struct PadStepper<Real>::State {
   }
 
   std::size_t input_rows() const { return STEP_INPUT_ROWS + mapped * cell_count(); }
-  bool is_map(std::size_t frictions) const { return frictions == count * cell_count(); }
 
   void check_count() const;
   void take_map();
@@ -469,18 +466,15 @@ void PadStepper<Real>::State::make_launches() {
       });
 }
 
-/// Takes a map of friction from now on.
+/// Takes a map of friction from now on: its rows follow the others of each vector.
 template <class Real>
 void PadStepper<Real>::State::take_map() {
-  if (mapped) return;
-  const std::size_t rows = input_rows();
-  std::vector<Real> before(input.size());
+  const std::size_t vector = STEP_INPUT_ROWS * width, more = cell_count() * width;
+  std::vector<Real> before(input.size()), all(places * (STEP_INPUT_ROWS + cell_count()));
   input.read(before);
-  mapped = true;
-  std::vector<Real> all(places * input_rows());
-  for (std::size_t c = 0; c < places; ++c)
-    for (std::size_t k = 0; k < rows; ++k) all[at(c, k, input_rows())] = before[at(c, k, rows)];
+  for (std::size_t k = 0; k < before.size(); ++k) all[k + k / vector * more] = before[k];
   input = Buffer<Real>(device(), std::span<const Real>(all));
+  mapped = true;
   make_launches();
 }
 
@@ -611,7 +605,7 @@ void PadStepper<Real>::State::step(std::span<const double> to, bool by_wrench) {
 template <class Real>
 PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std::size_t count,
                              std::span<const double> friction, const StepOptions& options, const PairInfluence& pairs)
-    : state_(std::make_unique<State>(executor, pad, count, friction.size(), options, pairs)) {
+    : state_(std::make_unique<State>(executor, pad, count, options, pairs)) {
   set_friction(friction);
 }
 template <class Real>
@@ -651,18 +645,17 @@ void PadStepper<Real>::set_friction(std::span<const double> friction) {
   State& s = *state_;
   std::vector<double> all(friction.begin(), friction.end());
   if (all.size() == 1) all.assign(count(), all.front());
-  const std::size_t each = s.is_map(all.size()) ? s.cell_count() : 1;
+  const std::size_t each = all.size() == count() * s.cell_count() ? s.cell_count() : 1;
   check_size("friction", all.size(), each * count());
   for (const double mu : all)
     if (!(mu >= 0) || !std::isfinite(mu)) throw ValueError("friction", fmt::format("{}", mu), "0 or more");
-  if (each > 1) s.take_map();
-  std::vector<double> first(count()), map;
+  if (each > 1 && !s.mapped) s.take_map();
+  const auto input = s.input.map();
   for (std::size_t c = 0; c < count(); ++c) {
-    first[c] = all[c * each];
-    for (std::size_t i = 0; s.mapped && i < s.cell_count(); ++i) map.push_back(all[c * each + (each > 1 ? i : 0)]);
+    input[s.at(c, STEP_MU, s.input_rows())] = static_cast<Real>(all[c * each]);
+    for (std::size_t i = 0; s.mapped && i < s.cell_count(); ++i)
+      input[s.at(c, STEP_INPUT_ROWS + i, s.input_rows())] = static_cast<Real>(all[c * each + i % each]);
   }
-  s.put_input(STEP_MU, 1, first, std::array{1.0});
-  if (s.mapped) s.put_input(STEP_INPUT_ROWS, s.cell_count(), map, std::vector<double>(s.cell_count(), 1));
 }
 
 template <class Real>

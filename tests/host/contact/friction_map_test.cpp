@@ -96,7 +96,8 @@ TEST(PadFrictionMap, OneMuHasTheBitsOfANumber) {
 TEST(PadFrictionMap, ManyPathsRefuseIt) {
   fem::PadScene scene = mix(rubber, 1)[0];
   scene.set_friction(blotched);
-  expect_value_error([&] { PadContacts::path(scene); }, "contact.friction_map", "0 to 0.9", "left out of many paths");
+  expect_value_error([&] { PadContacts::path(scene); }, "contact.friction_map", "0.9 at most",
+                     "left out of many paths");
 }
 
 // ---- steps
@@ -166,12 +167,15 @@ TEST(PadStepFrictionMap, AgreesWithItsTwinOnRubberThatCreeps) {
 
 // By wrench: Q below what all cells bear is met, beyond it the object slides at that.
 TEST(PadStepFrictionMap, MeetsWrenchesThatItBears) {
-  PadStepper<double> steps(executor(), rubber, count, std::array{0.5}, fine);
+  StepOptions options = fine;
+  options.force_tolerance = 1e-5, options.most_solves = 40;
+  PadStepper<double> steps(executor(), rubber, count, std::array{0.5}, options);
   const fem::PadCells cells = steps.cells();
   const std::vector<double> mu = maps(cells);
   steps.set_friction(mu);
   put(steps);
   steps.press(of_all({0.5, 0, 0, 0}));
+  const double within = 0.5 * options.force_tolerance;
   const auto bears = [&](std::size_t c) {
     const std::vector<double> tractions = steps.tractions();
     double sum = 0;
@@ -188,10 +192,10 @@ TEST(PadStepFrictionMap, MeetsWrenchesThatItBears) {
     for (std::size_t c = 0; c < count; ++c) {
       const int flags = static_cast<int>(number(steps, c, STEP_RESULT_FLAGS));
       EXPECT_EQ((flags & STEP_SLIDES) != 0, part > 1) << c << " " << part;
-      EXPECT_NEAR(number(steps, c, STEP_RESULT_P), 0.5, 1e-6) << c << " " << part;
+      EXPECT_NEAR(number(steps, c, STEP_RESULT_P), 0.5, within) << c << " " << part;
       const double Q = number(steps, c, STEP_RESULT_QX);
       if (part < 1)
-        EXPECT_NEAR(Q, part * most[c], 1e-6) << c << " " << part;
+        EXPECT_NEAR(Q, part * most[c], within) << c << " " << part;
       else
         EXPECT_LT(std::hypot(Q, number(steps, c, STEP_RESULT_QY)), 1.0001 * bears(c)) << c;
     }
@@ -235,10 +239,9 @@ TEST(PadStepFrictionMap, OneMuHasTheBitsOfANumber) {
       k < 8 ? steps->move(bowls.pose(k)) : steps->press(bowls.wrench(k - 8, P, 0.8));
     same(map), same(late);
   }
-  // A wrench that is met, over the same heights and friction, leaves the state as it is.
-  const std::vector<float> before = map.state();
-  map.press(bowls.wrench(3, P, 0.8));
-  EXPECT_EQ(map.state(), before);
+  // A wrench that is met, over the same heights and friction: no sweep more of one than of the other.
+  for (PadStepper<float>* steps : {&number, &map, &late}) steps->press(bowls.wrench(3, P, 0.8));
+  same(map), same(late);
 }
 
 // Friction that changes in one cell that presses is no friction of before.
@@ -253,7 +256,10 @@ TEST(PadStepFrictionMap, AChangeOfOneCellCounts) {
   mu[steps.cells().count() + middle] = 0.01;
   steps.set_friction(mu);
   steps.move(of_all({0.12, 0.05, 0, 0}));
-  EXPECT_LT(number(steps, 1, STEP_RESULT_QX), 0.99 * Q);
+  const std::vector<double> tractions = steps.tractions();
+  const double* n = &tractions[3 * steps.cells().count() + middle];
+  EXPECT_NEAR(std::hypot(n[120], n[240]), 0.01 * n[0], 1e-8 * n[0]);
+  EXPECT_LT(number(steps, 1, STEP_RESULT_QX), 0.998 * Q);  // its neighbours take over what they can
   EXPECT_EQ(number(steps, 0, STEP_RESULT_QX), same);
 }
 

@@ -223,21 +223,23 @@ TEST(PadFile, MapsOfFriction) {
     return std::get<fem::PadScene>(read_any_scene(file));
   };
   EXPECT_EQ(read("# rubbed, y by y\n0.6; 0,15; 0.2\n0.5; 0.4; 0.3\n").friction_map, map);
-  EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5,0.6\n0.5\n"); }), HasSubstr("wet.csv:2: fields = 1: must be 2"));
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5,0.6\n0.5\n"); }),
+              HasSubstr("wet.csv:2: fields = 1: must be 2"));
   EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5\n-0.5\n"); }),
               HasSubstr("scene.toml:11: contact.friction_map = -0.5: must be coefficients of friction, 0 to 100"));
-  EXPECT_THAT(thrown_message<ConfigError>([&] { read(""); }), HasSubstr("contact.friction_map = 0 rows"));
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read(""); }),
+              HasSubstr("contact.friction_map = 0: must be 1 to 64 rows"));
   std::filesystem::remove(folder / "wet.csv");
   EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(file); }), HasSubstr("a readable CSV file"));
   for (const auto& [lines, says] :
-       {std::pair{"friction_map = [[0.5]]", "contact.friction_pitch = (missing): must be given, the distance of the"},
-        {"friction_pitch = 1", ":10: contact.friction_pitch = 1: must be left out, or given with contact.friction_map"},
+       {std::pair{"friction_pitch = 1", "contact.friction_map = 0: must be 1 to 64 rows"},
         {"friction_pitch = 1\nfriction_map = [[0.5]]\nfriction = 0.5", "only one of friction, friction_map can be"},
         {"friction_pitch = 1\nfriction_map = 0.5", ":11: contact.friction_map = 0.5: must be the name of a CSV file"},
         {"friction_pitch = 1\nfriction_map = [0.5]", ":11: contact.friction_map = 0.5: must be the name of a CSV file"},
-        {"friction_pitch = 1\nfriction_map = [[0.5, \"wet\"]]", ":11: contact.friction_map = \"wet\": must be the name"},
+        {"friction_pitch = 1\nfriction_map = [[0.5, \"wet\"]]",
+         ":11: contact.friction_map = \"wet\": must be the name"},
         {"friction_pitch = 1\nfriction_map = [[0.5, nan]]", ":11: contact.friction_map = nan: must be finite"},
-        {"friction_pitch = 1\nfriction_map = [[0.5, 0.2], [0.5]]", "contact.friction_map = 1 numbers in a row: must be 1"},
+        {"friction_pitch = 1\nfriction_map = [[0.5, 0.2], [0.5]]", "contact.friction_map = 1: must be 1 to 64 rows"},
         {"friction_pitch = 0\nfriction_map = [[0.5]]", ":10: contact.friction_pitch = 0: must be a length in mm"}})
     EXPECT_THAT(thrown_message<ConfigError>([&] { read_text(pad_text() + "[contact]\n" + lines + "\n"); }),
                 HasSubstr(says))
