@@ -208,7 +208,7 @@ TEST(PadSource, PlacesOfMarkersCount) {
     folder.write("dots.csv", places);
     return PadSource::read(file);
   };
-  const PadSource two = of("0,1\n0.5,2\n"), other = of("0,1\n0.5,2.1\n");
+  const PadSource two = of("0.1,1\n0.5,2\n"), other = of("0.1,1\n0.5,2.1\n");
   EXPECT_EQ(fem::marker_count(two.markers()), 2u);
   ASSERT_EQ(two.files().size(), 1u);
   EXPECT_EQ(two.files()[0].first, "dots.csv");
