@@ -229,11 +229,14 @@ void see_markers(const PadScene& scene, PadSolution& solution, const std::functi
   const PadCells& cells = solution.cells;
   PadScene seen = scene;
   seen.indenter = aligned(scene.indenter, scene.sensor);  // as the cells have it
-  const Eigen::MatrixXd rows = marker_rows(*scene.markers, seen, cells, between);
+  Eigen::MatrixXd rows;
   for (PadStep& step : solution.steps) {
-    Eigen::VectorXd tractions(3 * cells.count());
-    tractions << step.normal_force, step.tangential_force.col(0), step.tangential_force.col(1);
-    step.markers = (rows * tractions / cells.area()).reshaped(3, rows.rows() / 3).transpose();
+    if (step.markers.rows() == 0) {  // else by the kernel, or on cells of the step alone
+      if (rows.size() == 0) rows = marker_rows(*scene.markers, seen, cells, between);
+      Eigen::VectorXd tractions(3 * cells.count());
+      tractions << step.normal_force, step.tangential_force.col(0), step.tangential_force.col(1);
+      step.markers = (rows * tractions / cells.area()).reshaped(3, rows.rows() / 3).transpose();
+    }
     if (scene.camera) step.pixels = pixels_of(*scene.camera, *scene.markers, step.markers);
   }
 }

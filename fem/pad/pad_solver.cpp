@@ -13,6 +13,7 @@
 #include "fem/pad/creep_history.h"
 #include "fem/pad/layer_means.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
@@ -505,8 +506,11 @@ PadSolution PadSolver::solve(const PadScene& scene) const {
   scene.validate();
   PadSolution solution = solve_on_grown(scene);
   if (!scene.sensor.relaxation.empty()) return solution;  // the way to a step counts
-  for (const std::size_t k : coarse_presses(scene, solution))
-    take_alone(solution, k, solve_on_grown(pressed_alone(scene, k)));
+  for (const std::size_t k : coarse_presses(scene, solution)) {
+    PadSolution alone = solve_on_grown(pressed_alone(scene, k));
+    see_markers(scene, alone, options_.between_sweeps);
+    take_alone(solution, k, alone);
+  }
   return solution;
 }
 

@@ -62,8 +62,8 @@ Json error_json(const ExpectedError& error, bool of_pad) {
   const AnswerError& e = error.expected;
   Json out = {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}};
   if (of_pad) out["M"] = e.M;
-  if (e.markers > 0) out["markers"] = e.markers;
   out[of_pad ? "sigma_z" : "sigma_y"] = e.sigma, out[of_pad ? "tau" : "tau_xy"] = e.tau;
+  if (e.markers > 0) out["markers"] = e.markers;
   if (of_pad)
     out.update(
         {{"largest", error.largest}, {"strain", error.strain}, {"scenes", error.scenes}, {"outside", error.outside}});

@@ -41,9 +41,7 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   PadModel model = model_of(outcome.rung);
   if (outcome.precision == "fp64") model.precision = Precision::fp64;
   if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
-  fem::PadScene unmarked = outcome.scene;
-  unmarked.markers.reset(), unmarked.camera.reset();  // they are seen at the end, by more than the kernel's quadrature
-  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&unmarked, 1)).front());
+  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
 }
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {

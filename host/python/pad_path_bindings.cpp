@@ -76,12 +76,13 @@ void bind_pad_path(py::module_& m) {
           [](const PadPath& path) -> OptionalDict {
             if (!path.error) return {py::none()};
             const PadError& e = *path.error;
-            return {py::dict("S"_a = e.S, "P"_a = e.P, "Q"_a = e.Q, "M"_a = e.M, "sigma"_a = e.sigma, "tau"_a = e.tau,
-                             "markers"_a = e.markers, "largest"_a = e.largest, "strain"_a = e.strain,
-                             "scenes"_a = e.scenes, "outside"_a = e.outside, "from"_a = e.from)};
+            py::dict all("S"_a = e.S, "P"_a = e.P, "Q"_a = e.Q, "M"_a = e.M, "sigma"_a = e.sigma, "tau"_a = e.tau);
+            if (e.markers > 0) all["markers"] = e.markers;
+            all["largest"] = e.largest, all["strain"] = e.strain, all["scenes"] = e.scenes;
+            all["outside"] = e.outside, all["from"] = e.from;
+            return {all};
           },
-          "errors to expect of S, and of P, Q, M, sigma, tau and markers over the largest: 95 % of scenes stay below "
-          "them; "
+          "errors to expect of S, and of P, Q, M, sigma, tau, markers over the largest: 95 % of scenes stay below; "
           "\"from\" names the second solution of the scene, \"outside\" what was not measured, \"strain\" what large "
           "strain adds to P and sigma; None where nothing is touched")
       .def_readonly("warnings", &PadPath::warnings)

@@ -604,24 +604,23 @@ void PadContact<Real>::State::take_stress(Laid& b) {
   take_points(b, points.places, points.weights, b.stress);
 }
 
-/// Displacements of the scenes' markers, behind the stresses of the tactels. A part of a cell has Gauss's points as
-/// near to each other as the markers are to the surface: so sums miss 0.5 % of the largest.
+/// Displacements of the scenes' markers, behind the stresses of the tactels. Points lie evenly over a cell, no farther
+/// from each other than the markers from the surface: so sums miss 0.5 % of the largest. Nearer to it there are none.
 template <class Real>
 void PadContact<Real>::State::take_markers(Laid& b) {
+  constexpr double least_depth = 0.02;
   const fem::PadScene& scene = b.on_cells.front().scene;
-  if (!scene.markers) return;
+  if (marker_depth(scene) < least_depth) return;
   const double depth = marker_depth(scene);
   b.markers.from = 3 * b.stress.count;
   b.markers.rows_a_thickness = marker_rows_a_thickness(depth), b.markers.rows = marker_rows(depth);
   b.markers.table = [this, depth](const fem::Rubber& rubber) { return marker_table(rubber.poisson, depth); };
   b.markers.points_of = [depth](double side, double) {
-    constexpr int most = 4;
     std::vector<fem::PadLayer::Share> all;
-    const double width = 1.0 / fem::PadLayer::parts(side);
-    const int parts = std::clamp(static_cast<int>(std::ceil(width * side / (3 * depth))), 1, most);
-    for (const auto& part : fem::PadLayer::shares(side))
-      for (const auto& point : gauss_points(parts))
-        all.push_back({part.place + width * point.place, part.share * point.share});
+    const double width = 1.0 / fem::PadLayer::parts(side);  // of a part
+    const int along = std::clamp(static_cast<int>(std::ceil(width * side / depth)), 3, 12);
+    for (const auto& [place, share] : fem::PadLayer::shares(side))
+      for (int k = 0; k < along; ++k) all.push_back({place + width * ((k + 0.5) / along - 0.5), share / along});
     return all;
   };
   b.markers.unit = [](const fem::PadSensor& pad) { return 1 / (pad.young * pad.thickness); };

@@ -89,14 +89,15 @@ void HoldSet::expect_rows_of_the_stepper(const std::string& creep, const std::st
   EXPECT_GT(set.slip_path[39], 0.01);
 }
 
-/// Markers move as tractions of the stepper's cells say, at the same motions.
+/// Markers move as those of the stepper with the same motions.
 TEST_F(HoldSet, MarkersAreThoseOfTheStepper) {
   std::string held = rubber;
   held.replace(held.find("free"), 4, "held");
   const PadSource grips = source(
       sweep(2, "press_rows = true\n") + held + face +
-      "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nframes = 12\npress = 4\n[markers]\ncounts = "
-      "[3, 2]\npitch = [4, 6]\ndepth = 0.5\n");
+      "[contact]\nfriction = 0.5\n[load]\nnormal_force = 6\n[load.hold]\nframes = 40\npress = 8\nweight = 0.25\n"
+      "direction = 90\nrest = 5\nmoves = 1\nsize = 0.5\nturn = 0\nmove_frames = 4\npause = 0\nback = 0\nrelax = 0\n"
+      "loss = 0\ntilt = 0\n[markers]\ncounts = [3, 2]\npitch = [4, 6]\ndepth = 0.5\n");
   const ContactSet set = simulate(grips);
   ASSERT_EQ(set.marker_numbers, 18);
   StepOptions options{.cells = 8, .cell = 18.8 / 8};
@@ -105,8 +106,11 @@ TEST_F(HoldSet, MarkersAreThoseOfTheStepper) {
   steps.set_heights(std::span<const double>(std::vector<double>(64, 0.0)));
   double farthest = 0;
   for (std::size_t row = 0; row < set.rows() && set.contact[row] == 0; ++row) {
-    steps.move(std::array<double, 4>{set.indentation[row], set.tangential[2 * row], set.tangential[2 * row + 1],
-                                     set.twist[row] * std::numbers::pi / 180});
+    if (row < 4)
+      steps.press(std::array{1.5 * static_cast<double>(row + 1), 0.0, 0.0, 0.0});
+    else
+      steps.move(std::array<double, 4>{set.indentation[row], set.tangential[2 * row], set.tangential[2 * row + 1],
+                                       set.twist[row] * std::numbers::pi / 180});
     const auto markers = steps.markers();
     ASSERT_EQ(markers.size(), 18u);
     for (std::size_t u = 0; u < 18; ++u) EXPECT_NEAR(set.markers[18 * row + u], markers[u], 1e-4) << row << " " << u;
