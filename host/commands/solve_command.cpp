@@ -95,6 +95,9 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
   const bool on_mesh = !request.field.empty();
   if (on_mesh) {
     check_writable("--field", request.field);
+    if (!asked.sensor.layers.empty())
+      throw ConfigError("command line", "--field", request.field,
+                        "left out with sensor.layers: strains have two values at interfaces");
     if (options.accuracy || (!options.rung.empty() && rung_named(options.rung).patch()))
       throw ConfigError("command line", "--field", request.field,
                         "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");

@@ -217,33 +217,35 @@ Scene pressed(const Sensor& sensor, double position) {
   return {"", sensor, {Parabola{20}, position}, 0.6, {.indentation = {0.12}, .tangential = {0.02, 0.06}}};
 }
 
-// Patch and mesh share nothing but the side's own mesh, and that only near the end.
+/// Prints what is compared, and expects no more than `most`.
+void expect_near(const ContactSolution& answer, const ContactSolution& mesh, const Difference& most) {
+  const Difference off = difference(answer, mesh);
+  std::printf("P %.1e Q %.1e S %.1e sigma %.1e tau %.1e\n", off.P, off.Q, off.S, off.sigma, off.tau);
+  for (const auto member : {&Difference::P, &Difference::Q, &Difference::S, &Difference::sigma, &Difference::tau})
+    EXPECT_LE(off.*member, most.*member);
+}
+
+// Patch and mesh share nothing but a mesh of the side, and that only near the end, where twelve elements see eight
+// modes of it. Elsewhere the mesh, whose elements are 0.03 H wide, is off by some 3e-3.
 TEST(LayeredLineSlow, PatchesAreTheWholeMesh) {
-  for (const auto& [name, layers] : {std::pair{"cover", cover}, {"glue", glue}, {"skin on foam", skin_on_foam}})
+  for (const Layers& layers : {cover, glue, skin_on_foam})
     for (const double position : {0.7, 8.0}) {
-      SCOPED_TRACE(testing::Message() << name << " " << position);
+      SCOPED_TRACE(testing::Message() << layers[1].young << " over " << layers[0].young << " at " << position);
       const Scene scene = pressed(sensor_of(layers), position);
       const LayerModel model = layer_model(scene.sensor);
-      const ContactSolution mesh = on_mesh(scene), fine = PatchReference(model, {.elements = 60}).solve(scene),
-                            patch = PatchSolver(model).solve(scene);
-      for (const ContactSolution* of : {&fine, &patch}) {
-        const Difference off = difference(*of, mesh);
-        std::printf("%s %g: P %.1e Q %.1e S %.1e sigma %.1e tau %.1e\n", name, position, off.P, off.Q, off.S, off.sigma,
-                    off.tau);
-        EXPECT_LE(off.P, 0.02);
-        EXPECT_LE(off.Q, 0.02);
-        EXPECT_LE(off.S, 0.02);
-        EXPECT_LE(off.sigma, 0.03);
-        EXPECT_LE(off.tau, 0.03);
-      }
+      const ContactSolution mesh = on_mesh(scene);
+      expect_near(PatchReference(model, {.elements = 60}).solve(scene), mesh, {0.005, 0.005, 0.002, 0.005, 0.03});
+      expect_near(PatchSolver(model).solve(scene), mesh, {0.02, 0.04, 0.01, 0.02, 0.04});
     }
 }
 
+// A layer of 0.002 H is a row of elements for the mesh.
 TEST(LayeredLineSlow, ExtremeLayersAreSolved) {
   for (const Layers& layers :
        {Layers{{1.497, 1e-4, 0.4999}, {0.003, 1, 0}}, Layers{{1.497, 1e4, 0}, {0.003, 1, 0.4999}},
         Layers{{0.75, 1e-4, 0.4999}, {0.75, 1, 0.3}}, Layers{{0.003, 1e-4, 0.4999}, {1.497, 1, 0}},
         Layers{{0.003, 1e4, 0}, {1.497, 1, 0.4999}}}) {
+    SCOPED_TRACE(testing::Message() << layers[1].young << " over " << layers[0].young);
     const Sensor sensor = sensor_of(layers);
     const LayerModel model = layer_model(sensor);
     EXPECT_TRUE(model.table.coefficients().allFinite() && model.base.rows().allFinite());
@@ -254,10 +256,7 @@ TEST(LayeredLineSlow, ExtremeLayersAreSolved) {
       EXPECT_GE(c.xx[0], c.xx[1]) << width;
     }
     const Scene scene = pressed(sensor, 0.7);
-    const ContactSolution patch = PatchSolver(model).solve(scene), mesh = on_mesh(scene);
-    const Difference off = difference(patch, mesh);
-    std::printf("%g %g: P %.1e Q %.1e S %.1e sigma %.1e tau %.1e\n", layers[0].thickness, layers[0].young, off.P, off.Q,
-                off.S, off.sigma, off.tau);
+    expect_near(PatchSolver(model).solve(scene), on_mesh(scene), {0.03, 0.04, 0.01, 0.03, 0.08});
   }
 }
 

@@ -394,6 +394,8 @@ const WrongCall wrong_calls[] = {
     {"NoSuchFolder", "solve " + parabola + " --json /no/such/folder/a.json",
      "--json = /no/such/folder/a.json: must be a file that can be written (No such file or directory; make the folder "
      "first)"},
+    {"FieldOfLayers", "solve " + source_file("examples/covered_line.toml") + " --field a.vtu",
+     "--field = a.vtu: must be left out with sensor.layers"},
     {"OutputIsFolder", "solve " + parabola + " --field /tmp",
      "--field = /tmp: must be a file that can be written (it names a folder)"},
     {"PlotAsGif", "solve " + parabola + " --plot /tmp/a.gif",
