@@ -226,7 +226,7 @@ TEST(PadFile, MapsOfFriction) {
   EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5,0.6\n0.5\n"); }),
               HasSubstr("wet.csv:2: fields = 1: must be 2"));
   EXPECT_THAT(thrown_message<ConfigError>([&] { read("0.5\n-0.5\n"); }),
-              HasSubstr("scene.toml:10: contact.friction_map = -0.5: must be coefficients of friction, 0 to 100"));
+              HasSubstr("scene.toml:11: contact.friction_map = -0.5: must be coefficients of friction, 0 to 100"));
   EXPECT_THAT(thrown_message<ConfigError>([&] { read(""); }),
               HasSubstr("contact.friction_map = 0: must be 1 to 64 rows"));
   std::filesystem::remove(folder / "wet.csv");
