@@ -20,7 +20,8 @@ auto rows_of(const Array& array, std::size_t count, std::size_t columns, const c
   std::vector<Number> all(array.data(), array.data() + size);
   if (array.ndim() == 1 && size == columns && count > 1)
     for (std::size_t c = 1; c < count; ++c) all.insert(all.end(), array.data(), array.data() + size);
-  if (all.size() != count * columns || array.ndim() > 2)
+  const bool turned = array.ndim() == 2 && static_cast<std::size_t>(array.shape(1)) != columns;
+  if (all.size() != count * columns || array.ndim() > 2 || turned)
     throw InputError(name, "an array of " + std::to_string(size) + " numbers",
                      "must be [" + std::to_string(count) + ", " + std::to_string(columns) + "]");
   return all;

@@ -147,7 +147,7 @@ class Values(unittest.TestCase):
         np.testing.assert_array_equal(even.normal_force, dry.normal_force)
         np.testing.assert_array_equal(even.tangential_force, dry.tangential_force)
         self.assertTrue((uneven.slip_index[1:] > dry.slip_index[1:]).all())  # less friction in a part of it
-        for wrong, fix in ((scene.with_(friction=0.3), "contact.friction: 0.3; .*left out beside"),
+        for wrong, fix in ((scene.with_(friction=0.3), "contact.friction: 0.3; .*left out.* beside"),
                            (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2; ")):
             with self.assertRaisesRegex(tactel.InputError, fix):
                 wrong.validate()
