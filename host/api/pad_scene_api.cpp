@@ -60,7 +60,7 @@ fem::PadScene to_fem(const PadScene& scene) {
     made.set_friction(*scene.friction_map);
     if (scene.friction != PadScene{}.friction)
       throw ValueError("contact.friction", fem::number_text(scene.friction),
-                       "left out, 0.5, beside contact.friction_map");
+                       "left out beside contact.friction_map");
   }
   const PadLoad& load = scene.load;
   if (!load.twist.empty() && load.twist.size() != load.tangential.size())
