@@ -604,8 +604,8 @@ void PadContact<Real>::State::take_stress(Laid& b) {
   take_points(b, points.places, points.weights, b.stress);
 }
 
-/// Displacements of the scenes' markers, behind the stresses of the tactels. Points lie evenly over a cell, no farther
-/// from each other than the markers from the surface: so sums miss 0.5 % of the largest. Nearer to it there are none.
+/// Displacements of the scenes' markers, behind the stresses of the tactels. Points lie evenly over a cell, as near
+/// to each other as the markers to the surface: so sums miss 1 % of the largest at most. Shallower markers have none.
 template <class Real>
 void PadContact<Real>::State::take_markers(Laid& b) {
   constexpr double least_depth = 0.02;
