@@ -50,7 +50,7 @@ TEST(FrictionMap, IsBilinearBetweenNodesAndConstantBeyond) {
   EXPECT_DOUBLE_EQ(at(9, -9), 0.4);
   scene.set_friction({{{0.3}}, 1});
   EXPECT_EQ(at(5, -2), 0.3);
-  EXPECT_EQ(friction_text(scene), "0.3");
+  EXPECT_EQ(friction_text(scene), "0.3 at most");
 }
 
 // A map is fixed to the pad, cells to the indenter.

@@ -108,8 +108,8 @@ TEST(PadMarkers, AreWhereWavesPutThem) {
   PadScene scene = scene_of(Paraboloid{{8, 6}}, 0.3, 2.5, 0.45, 0.5, {{0.05, 0.03, 0.02}});
   scene.indenter.yaw = 30, scene.indenter.position = {0.4, -0.2};
   const PadLayer layer(scene.sensor.poisson);
-  PadSolution solution = PadSolver(layer, {.cells = 12}).solve_on({.n = 12, .hx = 0.35, .hy = 0.31}, scene);
-  const PadField field = pad_field(scene, solution, 2);
+  const PadSolution solved = PadSolver(layer, {.cells = 12}).solve_on({.n = 12, .hx = 0.35, .hy = 0.31}, scene);
+  const PadField field = pad_field(scene, solved, 2);
   const double largest = field.displacement.cwiseAbs().maxCoeff();
   for (const Eigen::Index level : {3, 6, 9}) {
     const Eigen::Index plane = Eigen::Index(field.points[0]) * field.points[1], first = level * plane;
@@ -117,6 +117,7 @@ TEST(PadMarkers, AreWhereWavesPutThem) {
     for (Eigen::Index i = 7; i < plane; i += 61)
       markers.places.push_back({field.place(0, first + i), field.place(1, first + i)});
     scene.markers = markers;
+    PadSolution solution = solved;
     see_markers(scene, solution);
     for (Eigen::Index k = 0; k < solution.steps[2].markers.rows(); ++k)
       for (const int axis : {0, 1, 2})
