@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What a container hides of /sys.
+#include "host/support/host_limits.h"
+
 #include <gtest/gtest.h>
 
-#include "host/support/host_limits.h"
 #include "tests/scratch.h"
 
 namespace tactel::host {
