@@ -41,7 +41,8 @@ static vreal mark_of(global const vreal *in, global const vreal *heights, global
   for (int i = 0; i < COUNT; ++i) {
     mark = mark * 31 + AS_VINT(heights[v * COUNT + i]);
     mark = mark * 31 + AS_VINT(soft[v * COUNT + i]);
-    if (FRICTION_MAP) mark += 7 * (AS_VINT(in[STEP_INPUT_ROWS + i]) - AS_VINT(in[STEP_MU])); /* one mu: as without map */
+    if (FRICTION_MAP)
+      mark += 7 * (AS_VINT(in[STEP_INPUT_ROWS + i]) - AS_VINT(in[STEP_MU])); /* one mu: as without map */
     mark ^= mark >> 15;
   }
   return TO_VREAL(mark & 0xffffff);
@@ -265,10 +266,10 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
     rows[STEP_RESULT_S] = slip_margin(influence, c, s, v);
     rows[STEP_RESULT_STICK] = f.stick.v[v] / LARGER(touch, ALL_LANES(1));
     rows[STEP_RESULT_TOUCH] = touch;
-    rows[STEP_RESULT_FLAGS] =
-        PICK(touch == 0, ALL_LANES(STEP_OPEN), ALL_LANES(0)) + PICK(slides, ALL_LANES(STEP_SLIDES), ALL_LANES(0)) +
-        PICK(unmet, ALL_LANES(STEP_UNMET), ALL_LANES(0)) +
-        place_flags(input + v * INPUT_ROWS, heights, reach, sides, by_wrench, c, s, touch, v);
+    rows[STEP_RESULT_FLAGS] = PICK(touch == 0, ALL_LANES(STEP_OPEN), ALL_LANES(0)) +
+                              PICK(slides, ALL_LANES(STEP_SLIDES), ALL_LANES(0)) +
+                              PICK(unmet, ALL_LANES(STEP_UNMET), ALL_LANES(0)) +
+                              place_flags(input + v * INPUT_ROWS, heights, reach, sides, by_wrench, c, s, touch, v);
     rows[STEP_RESULT_SOLVES] = by_wrench ? w->solves.v[v] : PICK(s->sweeps.v[v] > 0, ALL_LANES(1), ALL_LANES(0));
     rows[STEP_RESULT_SWEEPS] = s->sweeps.v[v];
     rows[STEP_RESULT_RESIDUAL] = worst;

@@ -15,6 +15,7 @@
 
 #define MOST_INPUTS (HIDDEN2 && HIDDEN1 > INPUTS ? HIDDEN1 : INPUTS) /* of an item's row */
 #define FOURS(n) (((n) + 3) / 4)
+#define WHOLE_GROUP __attribute__((reqd_work_group_size(GROUP_ITEMS, 1, 1)))
 #define BARRIER barrier(CLK_LOCAL_MEM_FENCE)
 
 #if LANES == 1
@@ -24,11 +25,11 @@ typedef JOIN(REAL, 4) real4;
 #define PART(v, k) \
   ((k) % 4 == 0 ? (v)[(k) / 4].x : (k) % 4 == 1 ? (v)[(k) / 4].y : (k) % 4 == 2 ? (v)[(k) / 4].z : (v)[(k) / 4].w)
 /* Sum of factor(k) v[k], k < n, in four chains. */
-#define SUM_OF(result, n, factor, v)                                            \
-  {                                                                             \
-    real chain[4] = {0, 0, 0, 0};                                               \
-    EACH(k, n) { chain[k % 4] = fma(factor, PART(v, k), chain[k % 4]); }        \
-    (result) = (chain[0] + chain[1]) + (chain[2] + chain[3]);                   \
+#define SUM_OF(result, n, factor, v)                                     \
+  {                                                                      \
+    real chain[4] = {0, 0, 0, 0};                                        \
+    EACH(k, n) { chain[k % 4] = fma(factor, PART(v, k), chain[k % 4]); } \
+    (result) = (chain[0] + chain[1]) + (chain[2] + chain[3]);            \
   }
 
 typedef struct {
@@ -47,11 +48,11 @@ INLINE void step_by(Weight *weight, real momentum, real delta) {
 
 /* As train_online, without `vectors`; order: [networks of the launch][rows]. A launch has GROUP_ITEMS groups, one item
    each, for a slot. */
-__attribute__((reqd_work_group_size(GROUP_ITEMS, 1, 1)))
-kernel void train_group(uint first_group, global real *weights, global OnlineReport *reports, global real *curve,
-                        global uint *order, global const uint *slots, global const ulong *seeds,
-                        global const real *inputs, global const uint *set_of, global const real *targets, uint rows,
-                        uint most_cycles, uint cycle_limit, int permuted, real rate, real momentum, real stop_error) {
+WHOLE_GROUP kernel void train_group(uint first_group, global real *weights, global OnlineReport *reports,
+                                    global real *curve, global uint *order, global const uint *slots,
+                                    global const ulong *seeds, global const real *inputs, global const uint *set_of,
+                                    global const real *targets, uint rows, uint most_cycles, uint cycle_limit,
+                                    int permuted, real rate, real momentum, real stop_error) {
   TAKE_GROUP(group);
   local real4 x_of[2][FOURS(MOST_INPUTS + 1)], p_of[FOURS(LAST)];
 #if HIDDEN2

@@ -30,7 +30,7 @@
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
 #define NEURONS (LANES / NETWORKS) /* of each network in a vector */
 #define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
-#define ROW VECTORS_OF(INPUTS + 1)         /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
+#define ROW VECTORS_OF(INPUTS + 1) /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
 #define V1 NEURON_VECTORS(HIDDEN1)
 #define V2 NEURON_VECTORS(HIDDEN2)
 #define VL NEURON_VECTORS(LAST)

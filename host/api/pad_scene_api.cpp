@@ -59,8 +59,7 @@ fem::PadScene to_fem(const PadScene& scene) {
   if (scene.friction_map) {
     made.set_friction(*scene.friction_map);
     if (scene.friction != PadScene{}.friction)
-      throw ValueError("contact.friction", fem::number_text(scene.friction),
-                       "left out beside contact.friction_map");
+      throw ValueError("contact.friction", fem::number_text(scene.friction), "left out beside contact.friction_map");
   }
   const PadLoad& load = scene.load;
   if (!load.twist.empty() && load.twist.size() != load.tangential.size())

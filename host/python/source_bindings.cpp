@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tactel/live.h>
 
-
 #include "host/python/bindings.h"
 
 namespace tactel::python {

@@ -62,7 +62,8 @@ class TomlTable {
 
   bool has(const std::string& key) const;
   bool has_text(const std::string& key) const;  ///< for keys that also accept another type
-  /// T: double, int, std::int64_t, std::string, bool, two numbers (std::array), or a std::vector of numbers or of these.
+  /// T: double, int, std::int64_t, std::string, bool, two numbers (std::array), or a std::vector of numbers or of
+  /// these.
   template <class T>
   bool read(const std::string& key, T& value, const std::string& what);
   /// One number, or an array of at least one.

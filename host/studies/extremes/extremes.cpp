@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-
 #include "fem/gap/contact_laws.h"
 #include "fem/gap/gap_reference.h"
 #include "fem/gap/solution_difference.h"
