@@ -44,6 +44,7 @@ typedef struct {
 #define LAYER1 ((INPUTS + 1) * V1)
 #define LAYER2 (HIDDEN2 ? (HIDDEN1 + 1) * V2 : 0)
 #define GROUP_WEIGHTS (LAYER1 + LAYER2 + VL + 1)
+
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
   vreal x[BLOCK * ROW *

@@ -8,7 +8,7 @@ namespace tactel::nn {
 namespace {
 
 constexpr Eigen::Index most_rows = 20000;  ///< that mean and deviation are taken of
-constexpr float least_deviation = 0.01f;   ///< of inputs that hardly change, such as the sign of a symmetric sum
+constexpr float least_spread = 0.01f;      ///< of inputs that hardly change, such as the sign of a symmetric sum
 
 }  // namespace
 
@@ -31,7 +31,7 @@ LearningView::LearningView(const InputScaling& scaling, const RowMatrix<float>& 
     const Eigen::ArrayXd column = inputs.col(k).cast<double>().array();
     const double mean = column.mean();
     mean_.push_back(static_cast<float>(mean));
-    deviation_.push_back(std::max(static_cast<float>(std::sqrt((column - mean).square().mean())), least_deviation));
+    deviation_.push_back(std::max(static_cast<float>(std::sqrt((column - mean).square().mean())), least_spread));
   }
 }
 

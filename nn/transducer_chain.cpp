@@ -39,7 +39,7 @@ PhiloxCounter words(std::uint64_t seed, RandomStream stream, std::uint64_t item,
 
 /// Box and Muller (1958). A word's upper 23 bits make the middle of a cell of (0, 1) that single precision holds
 /// exactly.
-std::array<double, 2> normal_pair(std::uint32_t a, std::uint32_t b) {
+std::array<double, 2> coarse_normal_pair(std::uint32_t a, std::uint32_t b) {
   const auto unit = [](std::uint32_t word) { return ((word >> 9) + 0.5) * 0x1p-23; };
   const double radius = std::sqrt(-2 * std::log(unit(a))), angle = 2 * std::numbers::pi * unit(b);
   return {radius * std::cos(angle), radius * std::sin(angle)};
@@ -110,12 +110,12 @@ std::vector<double> felt_stress(const Transducer& t, std::uint64_t instance, con
   const PhiloxCounter mixed = words(t.seed, RandomStream::fault, instance, 2 * channels + channel);
   const bool left = tactel % columns > 0, right = tactel % columns + 1 < columns;
   const bool below = tactel >= columns, above = tactel + columns < tactels;
-  const double share = t.crosstalk * std::abs(normal_pair(fault[2], fault[3])[0]);
-  const auto [along, across] = normal_pair(place[0], place[1]);
+  const double share = t.crosstalk * std::abs(coarse_normal_pair(fault[2], fault[3])[0]);
+  const auto [along, across] = coarse_normal_pair(place[0], place[1]);
   const double x = std::clamp(t.shift_spread * along, left ? -1.0 : 0.0, right ? 1.0 : 0.0);
   const double rest = 1 - std::abs(x);  // of a triangle between three tactels
   const double y = std::clamp(t.shift_spread * across, below ? -rest : 0.0, above ? rest : 0.0);
-  const auto mixing = normal_pair(mixed[0], mixed[1]);
+  const auto mixing = coarse_normal_pair(mixed[0], mixed[1]);
   std::vector<double> felt(stress.rows());
   for (std::size_t k = 0; k < felt.size(); ++k) {
     felt[k] = (1 - std::abs(x) - std::abs(y)) * stress(k, channel);
@@ -272,8 +272,8 @@ RowMatrix<double> transducer_chain(const Transducer& of_all, std::uint64_t seed,
   for (std::uint32_t channel = 0; channel < channels; ++channel) {
     const PhiloxCounter drawn = words(t.seed, RandomStream::gain, instance, channel);
     const PhiloxCounter drifted = words(seed, RandomStream::frame, contact, channel);
-    const auto [gain, offset] = normal_pair(drawn[0], drawn[1]);
-    const double zero = t.offset_spread * offset + drift * normal_pair(drifted[0], drifted[1])[0];
+    const auto [gain, offset] = coarse_normal_pair(drawn[0], drawn[1]);
+    const double zero = t.offset_spread * offset + drift * coarse_normal_pair(drifted[0], drifted[1])[0];
     std::vector<double> x = felt_stress(t, instance, stress, layout, channel);
     delay(t, x);
     const double of_axis = t.shear_gain > 0 && channel >= layout.tactels() ? t.shear_gain : 1;
@@ -281,7 +281,7 @@ RowMatrix<double> transducer_chain(const Transducer& of_all, std::uint64_t seed,
     const std::vector<double> y = t.time_constant == 0 ? x : high_pass(t.time_constant, t.step_time, x);
     for (std::uint32_t k = 0; k < y.size(); ++k) {
       const PhiloxCounter noise = words(seed, RandomStream::reading, contact, k / 4 * channels + channel);
-      const double normal = normal_pair(noise[k % 4 / 2 * 2], noise[k % 4 / 2 * 2 + 1])[k % 2];
+      const double normal = coarse_normal_pair(noise[k % 4 / 2 * 2], noise[k % 4 / 2 * 2 + 1])[k % 2];
       reading(k, channel) = converted(t, y[k] + zero + deviation * normal);
     }
   }

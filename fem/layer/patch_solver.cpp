@@ -42,7 +42,7 @@ struct Beyond {
 
 /// How much of the last change of the forces to expect again: 0 where both targets change, or the way turns, or the
 /// load is a force.
-double growth(const Eigen::Vector2d& change, const Eigen::Vector2d& last) {
+double expected_ratio(const Eigen::Vector2d& change, const Eigen::Vector2d& last) {
   double ratio = 0;
   if (change[0] == 0 && last[0] == 0 && last[1] != 0)
     ratio = change[1] / last[1];
@@ -100,7 +100,7 @@ void PatchWalk::move_to(const LoadStep& target) {
   const double depth = target.normal_is_force ? force_.start(scaled, contact_.depth) : target.normal;
   const double x = target.tangential_is_force ? contact_.x : target.tangential;
   const Eigen::Vector2d change(depth - contact_.depth, x - contact_.x);
-  const double ratio = target.normal_is_force ? 0 : growth(change, last_change_);
+  const double ratio = target.normal_is_force ? 0 : expected_ratio(change, last_change_);
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;

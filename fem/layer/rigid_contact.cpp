@@ -10,16 +10,14 @@
 namespace tactel::fem {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Interval everywhere{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 
-Interval extent(const Flat& s) {
-  return s.half_width ? Interval{-*s.half_width, *s.half_width} : Interval{-infinity, infinity};
-}
+Interval extent(const Flat& s) { return s.half_width ? Interval{-*s.half_width, *s.half_width} : everywhere; }
 Interval extent(const Cylinder& s) { return {-s.radius, s.radius}; }
 Interval extent(const Profile& s) { return {s.x.front(), s.x.back()}; }
 template <class Endless>
 Interval extent(const Endless&) {
-  return {-infinity, infinity};
+  return everywhere;
 }
 
 /// Returns the farthest place between `inside`, which is in contact, and `outside` that still is.

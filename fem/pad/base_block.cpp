@@ -50,10 +50,10 @@ class Bricks {
 
 /// A quarter of the block under a parity in y. Planes x = const through nodes: 2 e, 2 e + 1 and 2 e + 2 bound and halve
 /// column e of bricks.
-class Quarter {
+class BaseQuarter {
  public:
-  Quarter(const BaseMesh& mesh, const std::array<int, 2>& cells, Bricks& all, int parity_y,
-          const std::function<void()>& between)
+  BaseQuarter(const BaseMesh& mesh, const std::array<int, 2>& cells, Bricks& all, int parity_y,
+              const std::function<void()>& between)
       : mesh_(mesh),
         cells_(cells),
         parity_y_(parity_y),
@@ -89,7 +89,7 @@ class Quarter {
 };
 
 /// Of a column's three planes, [3 size][3 size]; what parity in y holds has ones on the diagonal.
-Eigen::MatrixXd Quarter::stiffness(int column) const {
+Eigen::MatrixXd BaseQuarter::stiffness(int column) const {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(3 * size_, 3 * size_);
   std::array<int, MixedBrick::unknowns> place;
   for (int j = 0; j < bricks(mesh_.y); ++j)
@@ -109,7 +109,7 @@ Eigen::MatrixXd Quarter::stiffness(int column) const {
 }
 
 /// Forces of the sources on a plane, [size][3 sources].
-Eigen::MatrixXd Quarter::load(int plane) const {
+Eigen::MatrixXd BaseQuarter::load(int plane) const {
   const Eigen::MatrixXd along = loads(mesh_.x, cells_[0]), across = loads(mesh_.y, cells_[1]);
   Eigen::MatrixXd f = Eigen::MatrixXd::Zero(size_, 3 * cells_[0] * cells_[1]);
   for (int source = 0; source < cells_[0] * cells_[1]; ++source)
@@ -120,7 +120,7 @@ Eigen::MatrixXd Quarter::load(int plane) const {
   return f;
 }
 
-void Quarter::eliminate(const std::function<void()>& between) {
+void BaseQuarter::eliminate(const std::function<void()>& between) {
   eliminated_.resize(columns_);
   middle_ = Eigen::MatrixXd::Zero(size_, size_);
   middle_load_ = load(2 * columns_);
@@ -142,7 +142,7 @@ void Quarter::eliminate(const std::function<void()>& between) {
   }
 }
 
-Eigen::MatrixXd Quarter::stress(int parity_x, const std::function<void()>& between) const {
+Eigen::MatrixXd BaseQuarter::stress(int parity_x, const std::function<void()>& between) const {
   Eigen::MatrixXd k = middle_, u = middle_load_;
   for (int i = 0; i < size_; ++i)
     if (Parity{parity_x, 1}.in_x(i % 3) < 0) k.row(i).setZero(), k.col(i).setZero(), u.row(i).setZero(), k(i, i) = 1;
@@ -202,7 +202,7 @@ Eigen::MatrixXd base_block(const BaseMesh& mesh, const std::array<int, 2>& cells
                                                 static_cast<Eigen::Index>(3) * cells[0] * cells[1]);
   Bricks bricks(poisson);
   for (const int parity_y : {1, -1}) {
-    const Quarter quarter(mesh, cells, bricks, parity_y, between);
+    const BaseQuarter quarter(mesh, cells, bricks, parity_y, between);
     for (const int parity_x : {1, -1}) unfold(quarter.stress(parity_x, between), {parity_x, parity_y}, places, whole);
   }
   return whole;

@@ -6,11 +6,11 @@
 namespace tactel::fem {
 namespace {
 
-using Strains = Eigen::Matrix<double, 6, MixedBrick::unknowns>;  ///< xx, yy, zz, yz, zx, xy by displacements
+using MixedStrains = Eigen::Matrix<double, 6, MixedBrick::unknowns>;  ///< xx, yy, zz, yz, zx, xy by displacements
 
 /// At a point of the cube [-1, 1]^3.
-Strains strains(const Eigen::Array3d& point, const Eigen::Array3d& sides) {
-  Strains b = Strains::Zero();
+MixedStrains mixed_strains(const Eigen::Array3d& point, const Eigen::Array3d& sides) {
+  MixedStrains b = MixedStrains::Zero();
   Eigen::Array33d value, slope;  // [axis][of three]
   for (int axis = 0; axis < 3; ++axis)
     value.row(axis) = quadratics(point[axis]), slope.row(axis) = 2 / sides[axis] * quadratic_slopes(point[axis]);
@@ -43,7 +43,7 @@ MixedBrick::MixedBrick(double hx, double hy, double hz, double poisson)
     for (const LegendrePoint& q : points)
       for (const LegendrePoint& r : points) {
         const double weight = p.weight * q.weight * r.weight / 8 * volume;
-        Strains b = strains({p.x, q.x, r.x}, sides_);
+        MixedStrains b = mixed_strains({p.x, q.x, r.x}, sides_);
         const Eigen::RowVector<double, unknowns> volumetric = b.topRows<3>().colwise().sum();
         dilatation += weight * Eigen::Vector4d(1, p.x, q.x, r.x) * volumetric;
         b.topRows<3>().rowwise() -= volumetric / 3;
@@ -55,7 +55,7 @@ MixedBrick::MixedBrick(double hx, double hy, double hz, double poisson)
 }
 
 Eigen::MatrixXd MixedBrick::face_stress(double x, double y) const {
-  const Strains b = strains({x, y, -1}, sides_);
+  const MixedStrains b = mixed_strains({x, y, -1}, sides_);
   Eigen::MatrixXd stress(3, unknowns);
   stress.row(0) = shear_ * b.row(4);
   stress.row(1) = shear_ * b.row(3);

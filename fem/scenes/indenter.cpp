@@ -64,7 +64,7 @@ Interval bottom(const Pointed&) {
   return {0, 0};
 }
 
-void check(bool good, const char* member, double value, const char* allowed) {
+void check_indenter(bool good, const char* member, double value, const char* allowed) {
   if (!good) throw ValueError(std::string("indenter.") + member, number_text(value), allowed);
 }
 /// Lengths beyond these bounds are slips of the pen, and overflow would follow.
@@ -72,42 +72,44 @@ bool length(double value) { return value >= 1e-6 && value <= 1e9; }
 constexpr const char* length_text = "a length in mm, between 1e-6 and 1e9";
 
 void check_shape(const Flat& s) {
-  if (s.half_width) check(length(*s.half_width), "half_width", *s.half_width, length_text);
+  if (s.half_width) check_indenter(length(*s.half_width), "half_width", *s.half_width, length_text);
 }
 void check_shape(const Wedge& s) {
-  check(s.edge_angle > 0 && s.edge_angle < 180, "edge_angle", s.edge_angle,
-        "the full angle in degrees, above 0 and below 180");
+  check_indenter(s.edge_angle > 0 && s.edge_angle < 180, "edge_angle", s.edge_angle,
+                 "the full angle in degrees, above 0 and below 180");
 }
-void check_shape(const Parabola& s) { check(length(s.radius), "radius", s.radius, length_text); }
-void check_shape(const Cylinder& s) { check(length(s.radius), "radius", s.radius, length_text); }
+void check_shape(const Parabola& s) { check_indenter(length(s.radius), "radius", s.radius, length_text); }
+void check_shape(const Cylinder& s) { check_indenter(length(s.radius), "radius", s.radius, length_text); }
 void check_shape(const Exponential& s) {
-  check(length(s.height), "height", s.height, length_text);
-  check(s.rate >= 1e-6 && s.rate <= 1e6, "rate", s.rate, "a rate in 1/mm, between 1e-6 and 1e6");
+  check_indenter(length(s.height), "height", s.height, length_text);
+  check_indenter(s.rate >= 1e-6 && s.rate <= 1e6, "rate", s.rate, "a rate in 1/mm, between 1e-6 and 1e6");
 }
 void check_shape(const Trapezoid& s) {
-  check(s.half_width == 0 || length(s.half_width), "half_width", s.half_width,
-        "0 or a length in mm, between 1e-6 and 1e9");
-  check(s.slope >= 1e-9 && s.slope <= 1e9, "slope", s.slope, "a slope (height over distance), between 1e-9 and 1e9");
+  check_indenter(s.half_width == 0 || length(s.half_width), "half_width", s.half_width,
+                 "0 or a length in mm, between 1e-6 and 1e9");
+  check_indenter(s.slope >= 1e-9 && s.slope <= 1e9, "slope", s.slope,
+                 "a slope (height over distance), between 1e-9 and 1e9");
 }
 void check_shape(const RoundedFlat& s) {
-  check(s.half_width == 0 || length(s.half_width), "half_width", s.half_width,
-        "0 or a length in mm, between 1e-6 and 1e9");
-  check(length(s.radius), "radius", s.radius, length_text);
+  check_indenter(s.half_width == 0 || length(s.half_width), "half_width", s.half_width,
+                 "0 or a length in mm, between 1e-6 and 1e9");
+  check_indenter(length(s.radius), "radius", s.radius, length_text);
 }
 void check_shape(const Taylor& s) {
-  for (int k : s.powers) check(k >= 1 && k <= 100, "powers", k, "whole numbers from 1 to 100");
-  check(length(s.scale), "scale", s.scale, length_text);
-  if (s.height) check(length(*s.height), "height", *s.height, length_text);
-  check(s.coefficients.empty() || s.coefficients.size() == s.powers.size(), "coefficients",
-        static_cast<double>(s.coefficients.size()), "as many as powers");
-  for (double c : s.coefficients) check(c >= 0 && c <= 1e9, "coefficients", c, "numbers from 0 to 1e9");
+  for (int k : s.powers) check_indenter(k >= 1 && k <= 100, "powers", k, "whole numbers from 1 to 100");
+  check_indenter(length(s.scale), "scale", s.scale, length_text);
+  if (s.height) check_indenter(length(*s.height), "height", *s.height, length_text);
+  check_indenter(s.coefficients.empty() || s.coefficients.size() == s.powers.size(), "coefficients",
+                 static_cast<double>(s.coefficients.size()), "as many as powers");
+  for (double c : s.coefficients) check_indenter(c >= 0 && c <= 1e9, "coefficients", c, "numbers from 0 to 1e9");
 }
 void check_shape(const Profile& s) { fem::validate(s); }
 
 }  // namespace
 
 void validate(const Indenter& indenter) {
-  check(std::abs(indenter.position) <= 1e6, "position", indenter.position, "a position in mm, between -1e6 and 1e6");
+  check_indenter(std::abs(indenter.position) <= 1e6, "position", indenter.position,
+                 "a position in mm, between -1e6 and 1e6");
   std::visit([](const auto& s) { check_shape(s); }, indenter.shape);
 }
 

@@ -11,7 +11,7 @@
 namespace tactel::fem {
 namespace {
 
-void check(bool good, const char* member, double value, const char* allowed) {
+void check_sensor(bool good, const char* member, double value, const char* allowed) {
   if (!good) throw ValueError(std::string("sensor.") + member, number_text(value), allowed);
 }
 
@@ -25,28 +25,30 @@ bool within(double value, double least, double most) { return value >= least && 
 void validate(const Sensor& sensor) {
   check_layers(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
   // The bounds on sizes are far outside what a tactile skin can be; they keep every later product finite.
-  check(within(sensor.length, 1e-6, 1e6), "length", sensor.length, "a length in mm, between 1e-6 and 1e6");
-  check(within(sensor.thickness, 1e-6, 1e6), "thickness", sensor.thickness, "a thickness in mm, between 1e-6 and 1e6");
-  check(positive(sensor.young), "young", sensor.young, "a Young's modulus in MPa, finite and above 0");
-  check(within(sensor.poisson, 0, 0.5), "poisson", sensor.poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
-  check(within(sensor.columns, 3, most_columns), "columns", sensor.columns,
-        "a number of mesh nodes along x, 3 to 2001");
-  check(within(sensor.rows, 2, most_rows), "rows", sensor.rows,
-        "a number of mesh nodes through the thickness, 2 to 1001");
-  check(sensor.rows > static_cast<int>(sensor.layers.size()), "rows", sensor.rows,
-        "more mesh nodes through the thickness than sensor.layers");
-  check(within(sensor.grading, 0.01, 100), "grading", sensor.grading,
-        "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
-  check(within(sensor.tactels, 2, most_tactels), "tactels", sensor.tactels, "a number of tactels, 2 to 10000");
-  check(within(sensor.tactel_width, 0, sensor.length / sensor.tactels), "tactel_width", sensor.tactel_width,
-        "a width in mm, 0 (a point) to the sensor's length over the number of tactels");
+  check_sensor(within(sensor.length, 1e-6, 1e6), "length", sensor.length, "a length in mm, between 1e-6 and 1e6");
+  check_sensor(within(sensor.thickness, 1e-6, 1e6), "thickness", sensor.thickness,
+               "a thickness in mm, between 1e-6 and 1e6");
+  check_sensor(positive(sensor.young), "young", sensor.young, "a Young's modulus in MPa, finite and above 0");
+  check_sensor(within(sensor.poisson, 0, 0.5), "poisson", sensor.poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
+  check_sensor(within(sensor.columns, 3, most_columns), "columns", sensor.columns,
+               "a number of mesh nodes along x, 3 to 2001");
+  check_sensor(within(sensor.rows, 2, most_rows), "rows", sensor.rows,
+               "a number of mesh nodes through the thickness, 2 to 1001");
+  check_sensor(sensor.rows > static_cast<int>(sensor.layers.size()), "rows", sensor.rows,
+               "more mesh nodes through the thickness than sensor.layers");
+  check_sensor(within(sensor.grading, 0.01, 100), "grading", sensor.grading,
+               "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
+  check_sensor(within(sensor.tactels, 2, most_tactels), "tactels", sensor.tactels, "a number of tactels, 2 to 10000");
+  check_sensor(within(sensor.tactel_width, 0, sensor.length / sensor.tactels), "tactel_width", sensor.tactel_width,
+               "a width in mm, 0 (a point) to the sensor's length over the number of tactels");
   // Transducers side by side, on the rubber; a hair's breadth for what decimal numbers lose in binary.
   const double hair = 1e-12 * sensor.length;
-  check(within(sensor.span(), sensor.tactel_width * (sensor.tactels - 1) - hair,
-               sensor.length - sensor.tactel_width + hair) &&
-            sensor.span() > 0,
-        "tactel_span", sensor.span(),
-        "a length in mm between the middles of the first and last tactel: no tactels overlap, none leaves the rubber");
+  check_sensor(
+      within(sensor.span(), sensor.tactel_width * (sensor.tactels - 1) - hair,
+             sensor.length - sensor.tactel_width + hair) &&
+          sensor.span() > 0,
+      "tactel_span", sensor.span(),
+      "a length in mm between the middles of the first and last tactel: no tactels overlap, none leaves the rubber");
   name(sensor.element);  // throws on a number that is no element
   name(sensor.stress);
 }

@@ -66,7 +66,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
       inputs_(inputs),
       members_(members.begin(), members.end()),
       together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))),
-      by_groups_(trained_by_groups(executor.device(), topology)) {
+      group_items_(trained_by_groups(executor.device(), topology) ? group_items(topology) : 1) {
   options.validate();
   if (topology.has_bound())
     throw ValueError("network", topology.text(), "a network with one output: a bound is learnt by mini-batches");
@@ -104,17 +104,18 @@ Launch& TrainOnline<Real>::launch(std::size_t together) {
   if (const auto found = launches_.find(together); found != launches_.end()) return found->second;
   const Device& device = executor_->device();
   Defines defines = network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>);
-  if (by_groups_)
-    defines.emplace_back("GROUP_ITEMS", std::to_string(group_items(topology_)));
+  const bool by_groups = group_items_ > 1;
+  if (by_groups)
+    defines.emplace_back("GROUP_ITEMS", std::to_string(group_items_));
   else
     defines.emplace_back("NETWORKS", std::to_string(together));
-  const std::string kernel = by_groups_ ? "train_group" : "train_online";
+  const std::string kernel = by_groups ? "train_group" : "train_online";
   const Program program(device, kernel + ".cl", defines);
   const Launch launch = executor_->prepare(program, kernel, [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);
     kernel.set("reports", reports_);
     kernel.set("curve", curve_);
-    if (!by_groups_) kernel.set("vectors", vectors_);
+    if (!by_groups) kernel.set("vectors", vectors_);
     kernel.set("order", order_);
     kernel.set("slots", slots_);
     kernel.set("seeds", seeds_);
@@ -151,7 +152,7 @@ Job TrainOnline<Real>::job(std::uint32_t most_cycles) {
   Launch& next = launch(together);
   next.set("curve", curve_);
   next.set("most_cycles", std::uint32_t{most_cycles});
-  return {next, by_groups_ ? groups * group_items(topology_) : groups};
+  return {next, groups * group_items_};
 }
 
 // Networks that have stopped leave their lanes to others.

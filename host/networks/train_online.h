@@ -60,7 +60,7 @@ class TrainOnline {
   LearningInputs<Real> inputs_;
   std::vector<OnlineMember> members_;
   std::size_t together_;          ///< networks in the lanes of a group, when there are many
-  bool by_groups_;                ///< of a GPU: a network a work-group
+  std::size_t group_items_;       ///< of a work-group that trains a network; 1: an item trains several
   Buffer<Real> weights_;          ///< [networks][weights, steps], each as nn::Weights
   Buffer<OnlineReport> reports_;  ///< [networks]
   Buffer<Real> curve_;            ///< [networks][cycles of the last run][2]

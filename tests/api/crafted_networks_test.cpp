@@ -14,7 +14,7 @@
 #include "tests/host/networks/crafted_network.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace {
+namespace crafted_networks_test {
 
 using namespace tactel;
 using nn::ScalingKind;
@@ -51,8 +51,6 @@ nn::Model plain_model(ScalingKind kind) {
   model.scaling.history = 3;
   return model;
 }
-
-}  // namespace
 
 // Texts are free where they name a set. The order of metadata means nothing.
 TEST(CraftedNetworksSlow, NoChangeOfAnyFieldIsAccepted) {
@@ -167,3 +165,5 @@ TEST(CraftedNetworks, FilesOfEarlierVersionsAreRead) {
     EXPECT_TRUE(program_accepts(file)) << seed;
   }
 }
+
+}  // namespace crafted_networks_test

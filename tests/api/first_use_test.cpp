@@ -17,7 +17,7 @@
 
 #include "test_paths.h"
 
-namespace {
+namespace first_use_test {
 
 using namespace tactel;
 using Numbers = std::vector<float>;
@@ -96,4 +96,4 @@ INSTANTIATE_TEST_SUITE_P(
                               }}),
     [](const auto& info) { return std::string(info.param.name); });
 
-}  // namespace
+}  // namespace first_use_test

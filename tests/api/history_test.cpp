@@ -9,8 +9,7 @@
 #include "nn/infer/network_file.h"
 #include "tests/host/live/simulated_frames.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::history_test {
 
 TEST(History, MonitorTakesTheFramesOfTheLibrary) {
   const nn::Topology topology({3 * 42, 20, 1});
@@ -38,5 +37,4 @@ TEST(History, MonitorTakesTheFramesOfTheLibrary) {
   EXPECT_THROW(LiveMonitor(narrow, opened.profile, {}), ConfigError);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::history_test

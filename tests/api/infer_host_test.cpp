@@ -21,7 +21,7 @@
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace {
+namespace infer_host_test {
 
 using namespace tactel;
 using tactel::testing::bounded_model;
@@ -71,8 +71,6 @@ void expect_same_bits(const std::vector<Answer>& answers, const std::vector<Answ
               (std::bit_cast<std::array<unsigned, 8>>(expected[i])))
         << i;
 }
-
-}  // namespace
 
 // A grip of 0.1 MPa that holds, and one whose object has turned and tips.
 TEST(InferHost, HasANetworkOfUskinPads) {
@@ -254,3 +252,5 @@ TEST(InferHost, RefusesANameWithANulByte) {
   EXPECT_THAT([&] { SlipEstimator::load(path + std::string("\0x", 2)); },
               ::testing::ThrowsMessage<InputError>(HasSubstr(path + ": goes on behind a NUL byte")));
 }
+
+}  // namespace infer_host_test

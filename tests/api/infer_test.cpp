@@ -26,7 +26,7 @@
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace {
+namespace infer_test {
 
 using namespace tactel;
 using nn::ScalingKind;
@@ -96,8 +96,6 @@ std::vector<Answer> answers_of(const SlipEstimator& estimator, const nn::RowMatr
   EXPECT_EQ(estimator.estimate(all, answers), answers.size());
   return answers;
 }
-
-}  // namespace
 
 // The kernels and the library fuse the same multiply-adds in the same order: equal bits, and equal statuses.
 TEST(InferOnDevice, GivesTheBitsOfTheKernels) {
@@ -231,16 +229,12 @@ TEST(Infer, WorksByHand) {
   EXPECT_TRUE(std::isnan(answer.slip_upper));
 }
 
-namespace {
-
 nn::Model model_with_history(ScalingKind kind) {
   nn::Model model = some_model("24-9-1", kind);
   model.history = {.frames = 3, .stride = 2, .change = 0.07};
   model.scaling.history = 3;
   return model;
 }
-
-}  // namespace
 
 // Frames one after the other give the bits of the kernel on inputs that with_history forms from the same path.
 TEST(InferOnDevice, GivesTheBitsOfTheKernelsWithHistory) {
@@ -418,3 +412,5 @@ TEST(Infer, NamesTheFileThatCannotBeRead) {
   host::write_onnx(folder / "good.onnx", some_model("4-3-1", ScalingKind::set));
   EXPECT_EQ(message(folder / "good.onnx"), "none");
 }
+
+}  // namespace infer_test

@@ -24,6 +24,8 @@
 #include "tests/host/networks/bounded_model.h"
 #include "tests/scratch.h"
 
+namespace live_test {
+
 // Every allocation of the program is counted, those inside the libraries too.
 static std::atomic<long> allocations = 0;
 [[gnu::noinline]] void* operator new(std::size_t size) {
@@ -33,8 +35,6 @@ static std::atomic<long> allocations = 0;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
-namespace {
 
 using namespace tactel;
 
@@ -78,8 +78,6 @@ class LiveApi : public ::testing::Test {
   tactel::ScratchFolder folder_;
   int pipe_[2] = {-1, -1};
 };
-
-}  // namespace
 
 TEST_F(LiveApi, DecodesBytesOfAUsersDescriptor) {
   PipeEnd bytes(pipe_[0]);
@@ -228,8 +226,6 @@ TEST_F(LiveApi, SaysWhatCannotBeOpened) {
   EXPECT_THROW(FrameSource(bytes, "none.toml"), InputError);
 }
 
-namespace {
-
 /// A line, a pad, and three frames of a line; each with a bound.
 std::vector<Network> some_networks(const ScratchFolder& folder) {
   nn::Model line = tactel::testing::bounded_model("8-5-3", nn::ScalingKind::set);
@@ -257,8 +253,6 @@ std::vector<std::uint32_t> bits_of(const Answer& a) {
           a.beyond_learnt,
           static_cast<std::uint32_t>(a.status)};
 }
-
-}  // namespace
 
 // SlipHistory of each sensor is the witness: each device, and host code.
 TEST(LiveEstimatorApi, EveryDeviceAnswersAsTheSensorsByThemselves) {
@@ -314,3 +308,5 @@ TEST(LiveEstimatorApi, RefusesWhatItCannotTake) {
   EXPECT_THROW(hand.estimate(std::span(frames).first(1), answers), InputError);
   EXPECT_THROW(hand.estimate(frames, std::span(answers).first(1)), InputError);
 }
+
+}  // namespace live_test

@@ -13,7 +13,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace pad_api_test {
 
 using namespace tactel;
 using ::testing::DoubleNear;
@@ -84,8 +84,6 @@ void expect_same(const PadPath& path, const host::PadOutcome& outcome) {
 host::PadOutcome by_the_program(const std::string& file, const host::SolveOptions& options) {
   return host::solve(std::get<fem::PadScene>(host::read_any_scene(file)), options);
 }
-
-}  // namespace
 
 TEST(PadSceneApi, ReadsScenesAsTheProgramDoes) {
   const ScratchFolder folder;
@@ -285,3 +283,5 @@ TEST(PadSolveApi, RefusesContactsAtTheEdgeOfThePad) {
               HasSubstr("scenes[2].indenter.position: [0, -5.1]; must be a place"));
   EXPECT_THAT(message_of([&] { solve(scenes[2]); }), HasSubstr("indenter.position: [0, -5.1]; must be a place"));
 }
+
+}  // namespace pad_api_test

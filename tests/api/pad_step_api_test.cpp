@@ -10,7 +10,7 @@
 #include "kernels/shared/pad_step_layout.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace pad_step_api_test {
 
 using namespace tactel;
 
@@ -75,4 +75,4 @@ TEST(PadStepApi, SaysWhatIsWrong) {
   EXPECT_EQ(message([&] { steps.move_by(std::array<double, 6>{}); }), "gaps: none; must be given before a motion");
 }
 
-}  // namespace
+}  // namespace pad_step_api_test

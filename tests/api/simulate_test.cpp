@@ -21,7 +21,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace simulate_test {
 
 using namespace tactel;
 using tactel::testing::executor;
@@ -78,8 +78,6 @@ fem::Scene same_scene(double friction = 0.5) {
           .load = {.indentation = {0.1}, .tangential_step = 0.05, .tangential_steps = 3},
           .model = fem::SurfaceModel::patch};
 }
-
-}  // namespace
 
 TEST(SceneApi, ReadsScenesAsTheProgramDoes) {
   const SmallFile file(
@@ -430,3 +428,5 @@ TEST(TrainApi, RefusesWhatCannotTrain) {
   set.friction.pop_back();
   EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}}); }), HasSubstr("set: "));
 }
+
+}  // namespace simulate_test

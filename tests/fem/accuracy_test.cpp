@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::accuracy_test {
 
 TEST(Accuracy, FollowsFromTheToleranceOfTheSweeps) {
   EXPECT_DOUBLE_EQ((by_rule<float>({1e-5}, slow_on_mesh).accept), 1e-3);
@@ -28,5 +27,4 @@ TEST(Accuracy, ARequestedResidualIsAccepted) {
   EXPECT_DOUBLE_EQ((by_rule<double>({0, 1e-2}, slow_on_patch).tolerance), 5e-4);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::accuracy_test

@@ -8,8 +8,7 @@
 
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::array_cache_test {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
@@ -35,5 +34,4 @@ TEST(ArrayCache, IsBoundedByWhatWasNotReadForLongest) {
   EXPECT_EQ(most_cached, 1u << 30);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::array_cache_test

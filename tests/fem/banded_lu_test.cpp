@@ -5,8 +5,7 @@
 
 #include <random>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::banded_lu_test {
 
 struct Case {
   int size, band;
@@ -59,5 +58,4 @@ TEST(BandedLu, SaysThatAMatrixIsSingular) {
   EXPECT_FALSE(matrix.factor());
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::banded_lu_test

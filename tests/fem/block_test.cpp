@@ -8,8 +8,7 @@
 #include "sensors.h"
 #include "surface_load.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::block_test {
 
 /// Nodal values [2 nodes] of a displacement field.
 template <class Field>
@@ -206,5 +205,4 @@ TEST_P(Block, WideLoadOnTheBondedLayer) {
 INSTANTIATE_TEST_SUITE_P(, Block, testing::ValuesIn(all_elements),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::block_test

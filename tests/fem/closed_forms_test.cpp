@@ -10,8 +10,7 @@
 #include "fem/gap/gap_reference.h"
 #include "fem/mesh/block.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::closed_forms_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -188,5 +187,4 @@ TEST(ClosedForms, WideFlatOnAConstrainedLayer) {
   EXPECT_NEAR(dragged.normal_force[middle], pressure * width, 1e-8 * pressure);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::closed_forms_test

@@ -13,8 +13,7 @@
 #include "tests/fem/resealed.h"
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::condensation_cache_test {
 
 namespace fs = std::filesystem;
 
@@ -309,5 +308,4 @@ TEST(CacheDirectory, ThatOthersCanWriteIsNotUsed) {
   EXPECT_EQ(default_cache_directory(), "");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::condensation_cache_test

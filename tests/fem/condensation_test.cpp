@@ -9,8 +9,7 @@
 #include "fem/mesh/clamped_block.h"
 #include "sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::condensation_test {
 
 /// What rounding may do, relative: the volumetric stiffness stands above the shear stiffness by about 1/(1/2 - nu), and
 /// every node adds a rounding of 1e-16 to what passes through it.
@@ -173,5 +172,4 @@ TEST(Condensation, SaysWhenPrecisionHasRunOut) {
                      "0.49999999999999994", "further from 0.5");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::condensation_test

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::contact_laws_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double worst = std::numeric_limits<double>::max();
@@ -116,5 +115,4 @@ TEST(ContactLaws, AViolationWithoutAScaleIsTheWorstResidual) {
   EXPECT_EQ(contact_residual(e).penetration, worst);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::contact_laws_test

@@ -6,8 +6,7 @@
 #include "fem/mesh/shape_functions.h"
 #include "sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::elements_test {
 
 /// Nodes of a quadrilateral with straight sides from its corners, mid-sides added where the element has them.
 ElementNodes with_mid_sides(Element element, const Eigen::Matrix<double, 2, 4>& corner) {
@@ -194,5 +193,4 @@ TEST(NearlyIncompressible, OnlyTheMeanDilatationResists) {
   EXPECT_EQ(volumetric_modes(Element::bbar), 1);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::elements_test

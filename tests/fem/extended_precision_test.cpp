@@ -12,8 +12,7 @@
 #include "fem/mesh/condensation.h"
 #include "sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::extended_precision_test {
 
 using Real = long double;
 using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
@@ -115,5 +114,4 @@ std::vector<Sensor> sensors() {
 INSTANTIATE_TEST_SUITE_P(, ExtendedPrecision, testing::ValuesIn(sensors()),
                          [](const auto& info) { return describe(info.param); });
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::extended_precision_test

@@ -7,8 +7,7 @@
 
 #include "fem/mesh/block.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::gap_block_test {
 
 struct Case {
   Element element;
@@ -120,5 +119,4 @@ INSTANTIATE_TEST_SUITE_P(Elements, GapBlockTest,
                          testing::Values(Case{Element::bbar, 0.3}, Case{Element::bbar, 0.4999}, Case{Element::q4, 0.0},
                                          Case{Element::q4i, 0.45}, Case{Element::q8, 0.3}, Case{Element::q8, 0.4999}));
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::gap_block_test

@@ -10,8 +10,7 @@
 
 #include "fem/gap/gap_reference.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::gap_condensed_test {
 
 /// Of base forces, over the largest of them.
 double difference(const ContactStep& a, const ContactStep& b) {
@@ -75,5 +74,4 @@ TEST(GapCondensed, NothingIsSolvedAfterAnUnsolvedStep) {
   EXPECT_FALSE(solution.steps[2].converged);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::gap_condensed_test

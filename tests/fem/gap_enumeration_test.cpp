@@ -14,8 +14,7 @@
 #include "fem/gap/gap_increment.h"
 #include "fem/mesh/block.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::gap_enumeration_test {
 
 constexpr int nodes = 5;
 enum Status { open, stick, slip_plus, slip_minus };
@@ -167,5 +166,4 @@ TEST_P(Enumeration, AgreesWithTheSolver) {
 
 INSTANTIATE_TEST_SUITE_P(Friction, Enumeration, testing::Values(0.3, 1.0, 5.0));
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::gap_enumeration_test

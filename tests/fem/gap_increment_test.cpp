@@ -12,8 +12,7 @@
 
 #include "fem/gap/gap_block.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::gap_increment_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double exact = 1e-14;  // numbers of order 1 and a handful of operations
@@ -216,5 +215,4 @@ TEST(GapForces, MoreThanFrictionCanHoldIsNotConverged) {
   expect_forces(contact, 0, 4, 1.9);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::gap_increment_test

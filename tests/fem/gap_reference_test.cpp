@@ -11,8 +11,7 @@
 #include "fem/gap/contact_laws.h"
 #include "fem/mesh/condensation.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::gap_reference_test {
 
 // Residual from surface forces alone: displacements by the condensed compliance (another factorization, another route),
 // gaps from the profile, slips from the displacements of the step before.
@@ -314,5 +313,4 @@ TEST(GapReference, RefusesAScenesBadValue) {
   EXPECT_THROW(solve_gap_reference(scene), std::invalid_argument);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::gap_reference_test

@@ -8,8 +8,7 @@
 #include "expect_error.h"
 #include "fem/scenes/measured_profile.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::indenter_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -198,5 +197,4 @@ TEST(Indenter, DefaultsAreValid) {
     EXPECT_NO_THROW((validate(Indenter{shape, 0}))) << shape_name(shape);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::indenter_test

@@ -11,8 +11,7 @@
 #include "fem/gap/gap_reference.h"
 #include "test_paths.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::independent_contact_test {
 
 struct Case {
   std::string name, shape;
@@ -91,5 +90,4 @@ TEST(IndependentContact, AnotherProgramFindsTheSameBaseForces) {
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::independent_contact_test

@@ -3,8 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::load_stepping_test {
 
 using testing::ElementsAre;
 
@@ -32,5 +31,4 @@ TEST(LoadStepping, PartsAreTheLeastThatSuffice) {
   EXPECT_EQ(pressing_parts(load, 20), 7);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::load_stepping_test

@@ -6,8 +6,7 @@
 #include "fem/mesh/block.h"
 #include "sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::mesh_test {
 
 using testing::ElementsAre;
 
@@ -97,5 +96,4 @@ TEST(Mesh, TactelsStandFromEndToEnd) {
   for (int t = 0; t < 21; ++t) EXPECT_DOUBLE_EQ(x[t], -10.0 + t);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::mesh_test

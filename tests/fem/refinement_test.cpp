@@ -11,8 +11,7 @@
 #include "sensors.h"
 #include "surface_load.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::refinement_test {
 
 /// Twice the energy, load . displacement, of the sensor under pressure exp(-x^2) MPa (and half of it in shear), N/mm *
 /// mm per mm of depth. The corners, where stress is singular, feel exp(-100) of the pressure and little of what it
@@ -87,5 +86,4 @@ TEST(Locking, IsAbsentWhereTheRubberIsCompressible) {
   for (Element element : all_elements) EXPECT_NEAR(compliance(mesh_b(element, 0.3)) / exact, 1, 0.02) << name(element);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::refinement_test

@@ -9,8 +9,7 @@
 #include "fem/gap/gap_reference.h"
 #include "fem/gap/gap_sweep.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::released_contact_test {
 
 constexpr double bonded = std::numeric_limits<double>::infinity();
 
@@ -107,5 +106,4 @@ TEST(LostForce, IsWhatDoesNotArriveAtTheBase) {
   EXPECT_DOUBLE_EQ(lost_force(condensation), 0.1);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::released_contact_test

@@ -7,8 +7,7 @@
 
 #include "expect_error.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::scene_test {
 
 using testing::ElementsAre;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
@@ -149,5 +148,4 @@ TEST(Scene, TheIndenterMustReachTheSensor) {
   rejects(stands(Profile{{1, 2, 3}, {1, 0, 1}, 0, ""}, 9), "indenter.position", "9", "now at 11 to 11");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::scene_test

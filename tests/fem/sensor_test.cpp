@@ -6,8 +6,7 @@
 #include "expect_error.h"
 #include "sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::sensor_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
@@ -58,5 +57,4 @@ TEST(Sensor, CallsElementsAndRecoveriesAsSceneFilesDo) {
   EXPECT_STREQ(name(StressRecovery::element), "element");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::sensor_test

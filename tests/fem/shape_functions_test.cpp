@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::shape_functions_test {
 
 TEST(ShapeFunctions, OneAtTheirNodeAndZeroAtTheOthers) {
   for (int nodes : {4, 8}) {
@@ -49,5 +48,4 @@ TEST(GaussPoints, IntegrateWhatTheyShould) {
       }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::shape_functions_test

@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::solution_difference_test {
 
 ContactSolution with_forces(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
   const ContactStep step{.base_force_x = x, .base_force_y = y};
@@ -44,5 +43,4 @@ TEST(SolutionDifference, StepsAndNodesMustMatch) {
   EXPECT_TRUE(std::isinf(base_force_difference(two, ContactSolution{})));
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::solution_difference_test

@@ -9,8 +9,7 @@
 
 #include "fem/gap/gap_reference.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::stress_field_test {
 
 Scene small_scene(Element element) {
   return {.sensor = {.columns = 21, .rows = 5, .element = element},
@@ -68,5 +67,4 @@ TEST(StressField, UniformPressureOnAWideBlock) {
   EXPECT_LT((field.strain.array() - 0.02).abs().maxCoeff(), 1e-12);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::stress_field_test

@@ -6,8 +6,7 @@
 #include "fem/numbers/value_error.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::hw {
-namespace {
+namespace tactel::hw::channel_map_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -115,5 +114,4 @@ TEST(ChannelMap, TouchOfSomeTactels) {
   EXPECT_EQ(map.touch(2, 1), 21);
 }
 
-}  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::hw::channel_map_test

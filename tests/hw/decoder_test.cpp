@@ -13,8 +13,7 @@
 #include "hw/generic_format.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing {
-namespace {
+namespace tactel::hw::testing::decoder_test {
 
 struct Case {
   const char* name;
@@ -171,5 +170,4 @@ TEST_P(EveryFormat, RandomBytesDoNoHarm) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::ValuesIn(cases), [](const auto& i) { return i.param.name; });
 
-}  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::testing::decoder_test

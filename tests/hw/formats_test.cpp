@@ -8,8 +8,7 @@
 #include "fem/numbers/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing {
-namespace {
+namespace tactel::hw::testing::formats_test {
 
 using ::testing::ElementsAre;
 
@@ -188,5 +187,4 @@ TEST(Formats, RefuseWhatCannotBeMeant) {
   EXPECT_THROW(paxini_format(1, 100000), ValueError);
 }
 
-}  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::testing::formats_test

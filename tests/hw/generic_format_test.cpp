@@ -6,8 +6,7 @@
 #include "fem/numbers/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing {
-namespace {
+namespace tactel::hw::testing::generic_format_test {
 
 using ::testing::ElementsAre;
 
@@ -140,5 +139,4 @@ TEST(GenericFormat, RefusesLayoutsThatCannotBeMeant) {
   refused([](GenericLayout& l) { l.confirmations = 0; });
 }
 
-}  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::testing::generic_format_test

@@ -12,8 +12,7 @@
 
 #include "hw/usb_source.h"
 
-namespace tactel::hw {
-namespace {
+namespace tactel::hw::packet_ring_test {
 
 TEST(PacketRing, KeepsOrderAndBytes) {
   PacketRing ring(4, 8);
@@ -187,5 +186,4 @@ TEST(Ftdi, DivisorsOfCommonRates) {
   EXPECT_EQ(ftdi_divisor(2000000), 1u);
 }
 
-}  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::hw::packet_ring_test

@@ -18,8 +18,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::hw {
-namespace {
+namespace tactel::hw::serial_source_test {
 
 using ::testing::HasSubstr;
 
@@ -145,5 +144,4 @@ TEST(SerialSource, WrongPortsAreNamed) {
   EXPECT_THAT(refused("/dev/null", 9600), HasSubstr("is no serial port"));
 }
 
-}  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::hw::serial_source_test

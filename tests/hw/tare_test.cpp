@@ -6,8 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace tactel::hw {
-namespace {
+namespace tactel::hw::tare_test {
 
 using ::testing::ElementsAre;
 
@@ -100,5 +99,4 @@ TEST(Tare, WhatIsNotFiniteIsLeftOut) {
   EXPECT_EQ(none.mean, 0);
 }
 
-}  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::hw::tare_test

@@ -6,8 +6,7 @@
 
 #include "test_paths.h"
 
-namespace tactel::hw {
-namespace {
+namespace tactel::hw::udev_rules_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -28,5 +27,4 @@ TEST(UdevRules, EachNamesItsDeviceCloselyAndTheSeatsUserAlone) {
   EXPECT_GT(rules, 0);
 }
 
-}  // namespace
-}  // namespace tactel::hw
+}  // namespace tactel::hw::udev_rules_test

@@ -14,10 +14,10 @@
 #include "tests/fem/expect_error.h"
 #include "tests/nn/random_set.h"
 
+namespace bound_test {
+
 using namespace tactel;
 using namespace tactel::nn;
-
-namespace {
 
 /// Corrections of 0, as many as the classes have now.
 void clear_corrections(Bound& bound) {
@@ -34,8 +34,6 @@ Bound plain_bound() {
   clear_corrections(bound);
   return bound;
 }
-
-}  // namespace
 
 // o = (-0.2, -0.4, -0.3): median 0.3, widths 0.1 and 0.2.
 TEST(QuantileHeads, AreTheFormulas) {
@@ -299,3 +297,5 @@ TEST(Conformal, KnowsItsFrames) {
   EXPECT_TRUE(bounded(bound, {0.5f, 0.6f, 0.4f}, far).unlike);
   EXPECT_FALSE(bounded(bound, {0.5f, 0.6f, 0.4f}, at).unlike);
 }
+
+}  // namespace bound_test

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tactel::nn {
-namespace {
+namespace tactel::nn::charge_amplifier_test {
 
 // The recursion is exact for such inputs; what remains is the rounding of 300 steps (300 x 1.1e-16).
 constexpr double rounding = 1e-13;
@@ -55,5 +54,4 @@ TEST(Converter, ErrsByHalfAStepAtMost) {
               0.5 * converter.step() * (1 + 1e-9));
 }
 
-}  // namespace
-}  // namespace tactel::nn
+}  // namespace tactel::nn::charge_amplifier_test

@@ -13,7 +13,7 @@
 #include "nn/learning_view.h"
 #include "nn/network.h"
 
-namespace {
+namespace features_test {
 
 using namespace tactel;
 using namespace tactel::nn;
@@ -146,4 +146,4 @@ TEST(Features, FoldedWeightsMeanTheSame) {
   EXPECT_NEAR(square, 1, 1e-4);
 }
 
-}  // namespace
+}  // namespace features_test

@@ -9,10 +9,11 @@
 
 #include "fem/numbers/value_error.h"
 
+namespace forward_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 
-namespace {
 constexpr float inf = std::numeric_limits<float>::infinity();
 
 Weights<double> small_network() {
@@ -26,7 +27,6 @@ double half_square(const Weights<double>& weights, const Vector<double>& x, doub
   const double error = target - forward(weights, x).back()(0);
   return 0.5 * error * error;
 }
-}  // namespace
 
 TEST(Activation, EqualsThePapersFormAndSaturates) {
   for (const double z : {-20.0, -1.0, -1e-9, 0.0, 0.5, 2.0, 30.0})
@@ -121,3 +121,5 @@ TEST(Recall, NeverAnswersNaNWithoutAStatus) {
 TEST(Recall, RefusesFramesOfAnotherWidth) {
   EXPECT_THROW(recall(initial_weights(Topology({4, 3, 1}), 1), {}, RowMatrix<float>(2, 6)), ValueError);
 }
+
+}  // namespace forward_test

@@ -14,11 +14,11 @@
 #include "nn/forward.h"
 #include "nn/frame_set.h"
 
+namespace frame_history_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 using testing::ElementsAre;
-
-namespace {
 
 /// Frames of two numbers: a normal stress, 1 MPa from the first on, and the shear stress given.
 class ShearPath {
@@ -42,8 +42,6 @@ class ShearPath {
   FrameHistory history_;
   std::vector<float> input_;
 };
-
-}  // namespace
 
 TEST(FrameHistory, KeepsFramesByChangeOfLoad) {
   ShearPath path({.frames = 3, .stride = 1, .change = 0.1});
@@ -131,8 +129,6 @@ TEST(FrameHistory, AFactorOfAllStressesChangesNoChoice) {
   }
 }
 
-namespace {
-
 FrameSet two_contacts() {
   return {.frames = RowMatrix<float>{{1, 0}, {1, 0.5}, {1, 1}, {1, 2}, {1, 3}, {1, 4}},
           .slip_index = Vector<float>::LinSpaced(6, 0, 0.5),
@@ -140,8 +136,6 @@ FrameSet two_contacts() {
           .step = {0, 1, 2, 0, 1, 3},
           .press_rows = true};
 }
-
-}  // namespace
 
 TEST(WithHistory, NeverCrossesTheBorderOfAContact) {
   const FrameSet formed = with_history(two_contacts(), {.frames = 3});
@@ -261,3 +255,5 @@ TEST(WithHistory, TheNewestFrameScalesAll) {
   EXPECT_EQ(scale_frames<float>(scaling, frames), (RowMatrix<float>{{0.5, -1, 2, 3, 4, 5, 6, 7}}));
   EXPECT_EQ(scale_frames<float>(scaling, 3 * frames), scale_frames<float>(scaling, frames) * 1.0f);
 }
+
+}  // namespace frame_history_test

@@ -10,12 +10,13 @@
 #include "nn/frame_set.h"
 #include "tests/fem/expect_error.h"
 
+namespace input_scaling_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 using testing::Each;
 using testing::ElementsAre;
 
-namespace {
 constexpr float inf = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
@@ -28,7 +29,6 @@ Scaled scale(const InputScaling& scaling, const std::vector<float>& frame) {
   return {scale_frame(scaling, frame.data(), static_cast<int>(frame.size()), scaled.data()), scaled};
 }
 const InputScaling by_frame{ScalingKind::frame, 1.0f};
-}  // namespace
 
 TEST(InputScaling, BySetDividesByTheSetsLargestStress) {
   const FrameSet set{.frames = RowMatrix<float>{{1, -2, 0.5, 0}, {0.25, 0, -4, 1}},
@@ -157,3 +157,5 @@ TEST(FrameSet, NamesTheRowThatIsWrong) {
   set.shape_class = {1, 2};
   EXPECT_THROW(set.validate(), ValueError);
 }
+
+}  // namespace input_scaling_test

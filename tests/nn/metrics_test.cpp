@@ -7,6 +7,8 @@
 
 #include "fem/numbers/value_error.h"
 
+namespace metrics_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 
@@ -58,3 +60,5 @@ TEST(Metrics, QuantilesInterpolate) {
   EXPECT_THROW(quantile({}, 0.5), ValueError);
   EXPECT_THROW(quantile(values, 1.5), ValueError);
 }
+
+}  // namespace metrics_test

@@ -10,6 +10,8 @@
 #include "nn/presentation_order.h"
 #include "nn/weights.h"
 
+namespace random_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 using testing::ElementsAre;
@@ -90,16 +92,12 @@ TEST(PresentationOrder, ShowsEveryRowOnce) {
   }
 }
 
-namespace {
-
 FrameSet flat_set(Eigen::Index rows, int inputs, float stress) {
   FrameSet set{.frames = RowMatrix<float>::Zero(rows, inputs)};
   set.frames(rows - 1, inputs - 1) = -stress;
   set.slip_index = Vector<float>::Constant(rows, 0.5f);
   return set;
 }
-
-}  // namespace
 
 TEST(Noise, FollowsItsDescription) {
   // Deviation 0.1 * 2 = 0.2 of the numbers that the separate program gave for seed 3; rounded once to float: 1 part in
@@ -162,3 +160,5 @@ TEST(Noise, OfAFrameIsRelativeToItsOwnLargestStress) {
   EXPECT_NE(noisy.frames.row(2), noisy.frames.row(4));
   EXPECT_THROW(with_frame_noise(clean, 0.1, 9, 0), ValueError);
 }
+
+}  // namespace random_test

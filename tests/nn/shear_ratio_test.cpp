@@ -9,8 +9,7 @@
 
 #include "fem/numbers/value_error.h"
 
-namespace tactel::nn {
-namespace {
+namespace tactel::nn::shear_ratio_test {
 
 /// Two tactels. Ratios: (1 + 2) / (3 + 3) = 1/2, 4 / 4 = 1, -1 / 4, none, 0.
 FrameSet five_rows() {
@@ -55,5 +54,4 @@ TEST(ShearRatio, CannotBeFittedWithoutARatio) {
   EXPECT_THROW(fit_shear_ratio(set, RatioFit::median), ValueError);
 }
 
-}  // namespace
-}  // namespace tactel::nn
+}  // namespace tactel::nn::shear_ratio_test

@@ -5,6 +5,8 @@
 
 #include "tests/fem/expect_error.h"
 
+namespace topology_test {
+
 using namespace tactel;
 using namespace tactel::nn;
 
@@ -58,3 +60,5 @@ TEST(Topology, SaysWhatIsWrong) {
     expect_value_error([&] { Topology::parse(bad); }, "network", "", "42-42-21-1");
   }
 }
+
+}  // namespace topology_test

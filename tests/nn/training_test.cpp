@@ -8,10 +8,10 @@
 #include "nn/train_online.h"
 #include "tests/nn/random_set.h"
 
+namespace training_test {
+
 using namespace tactel;
 using namespace tactel::nn;
-
-namespace {
 
 double largest_difference(const Weights<double>& a, const Weights<double>& b) {
   double largest = 0;
@@ -27,8 +27,6 @@ double mean_half_square(const Weights<double>& weights, const TrainingSet<double
   }
   return sum / static_cast<double>(set.inputs.rows());
 }
-
-}  // namespace
 
 // A network 2-1-1 and one pattern, shown twice: the rule written out, term by term.
 TEST(TrainOnline, FollowsTheRuleWorkedByHand) {
@@ -238,3 +236,5 @@ TEST(TrainBatch, LearnsWithBothRules) {
   EXPECT_THROW((BatchOptions{.batch = 0}.validate()), ValueError);
   EXPECT_THROW((BatchOptions{.beta2 = 1}.validate()), ValueError);
 }
+
+}  // namespace training_test

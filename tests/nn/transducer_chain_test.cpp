@@ -13,8 +13,7 @@
 
 #include "fem/numbers/value_error.h"
 
-namespace tactel::nn {
-namespace {
+namespace tactel::nn::transducer_chain_test {
 
 RowMatrix<double> signal(int steps, const std::function<double(int)>& stress) {
   RowMatrix<double> out(steps, 2);
@@ -545,5 +544,4 @@ TEST(Transducer, NamesWhatItRejects) {
   EXPECT_EQ(rejected({.mixing = 1, .drift = 2, .repeats = 1}), "");
 }
 
-}  // namespace
-}  // namespace tactel::nn
+}  // namespace tactel::nn::transducer_chain_test

@@ -594,8 +594,8 @@ void PadContact<Real>::State::take_stress(Laid& b) {
   b.stress.rows = stress_rows(b.on_cells), b.stress.rows_a_thickness = PadTables::stress_rows_a_thickness;
   b.stress.table = [this](const fem::Rubber& rubber) { return tables(rubber)->stress(); };
   b.stress.points_of = [free = b.free](double side, double soft_thickness) {
-    const std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side / soft_thickness);
     if (free) return gauss_points(static_cast<int>(std::ceil(side / uniform_part)));
+    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side / soft_thickness);
     return all.size() == 1 ? gauss_points(1) : all;
   };
   b.stress.unit = [](const fem::PadSensor& pad) { return 1 / (2 * std::numbers::pi * pad.thickness * pad.thickness); };
@@ -610,8 +610,8 @@ template <class Real>
 void PadContact<Real>::State::take_markers(Laid& b) {
   constexpr double least_depth = 0.02;
   const fem::PadScene& scene = b.on_cells.front().scene;
-  if (marker_depth(scene) < least_depth) return;
   const double depth = marker_depth(scene);
+  if (depth < least_depth) return;
   b.markers.from = 3 * b.stress.count;
   b.markers.rows_a_thickness = marker_rows_a_thickness(depth), b.markers.rows = marker_rows(depth);
   b.markers.table = [this, depth](const fem::Rubber& rubber) { return marker_table(rubber.poisson, depth); };

@@ -13,8 +13,7 @@
 #include "fem/layer/long_layer.h"
 #include "fem/mesh/condensation.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::base_reactions_test {
 
 struct MeshSize {
   int columns, rows;
@@ -122,5 +121,4 @@ TEST(BaseReactions, OfATactelOfTwoColumnsAreThreeNodes) {
     }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::base_reactions_test

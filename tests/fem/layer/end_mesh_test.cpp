@@ -7,8 +7,7 @@
 
 #include "fem/mesh/mesh.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::end_mesh_test {
 
 TEST(EndMesh, IsWithinHalfAThicknessOfAnEnd) {
   const Sensor sensor;  // 20 mm long, 1.5 mm thick
@@ -35,5 +34,4 @@ TEST(EndMesh, OfAllNodesIsTheMeshOfTheSensor) {
   EXPECT_LT((found.compliance - mesh.compliance).cwiseAbs().maxCoeff(), 1e-12 * mesh.compliance.maxCoeff());
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::end_mesh_test

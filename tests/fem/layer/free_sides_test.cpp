@@ -16,8 +16,7 @@
 #include "fem/numbers/cache_directory.h"
 #include "fem/numbers/value_error.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::free_sides_test {
 
 Sensor with_poisson(double poisson) { return {.poisson = poisson}; }
 
@@ -242,5 +241,4 @@ TEST(LayerModel, RefusesSensorsThatAreTooLong) {
   EXPECT_THROW(endless_layer(sensor), std::exception);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::free_sides_test

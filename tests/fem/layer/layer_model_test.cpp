@@ -11,8 +11,7 @@
 #include "tests/fem/resealed.h"
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::layer_model_test {
 
 namespace fs = std::filesystem;
 
@@ -126,5 +125,4 @@ TEST_F(LayerModelCache, HasAFileForEachLayer) {
                                       sizeof(std::vector<RubberLayer>));
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::layer_model_test

@@ -8,8 +8,7 @@
 
 #include "fem/layer/element_compliance.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::layer_table_test {
 
 constexpr double thickness = 1.5;  // mm
 
@@ -181,5 +180,4 @@ TEST(ElementCompliance, SmallElementsAreThoseOfAHalfPlane) {
   EXPECT_NEAR(c.yy[0] - c.yy[1], layer_cy(0.45) * (mean_logarithm(1) - mean_logarithm(0)), 1e-6);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::layer_table_test

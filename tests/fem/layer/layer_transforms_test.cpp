@@ -9,8 +9,7 @@
 #include <Eigen/Dense>
 #include <complex>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::layer_transforms_test {
 
 using Complex = std::complex<long double>;
 using Vector4 = Eigen::Matrix<Complex, 4, 1>;
@@ -109,5 +108,4 @@ TEST(LayerTransforms, ThickLayerIsAHalfPlane) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::layer_transforms_test

@@ -21,8 +21,7 @@
 #include "fem/numbers/cache_directory.h"
 #include "fem/numbers/value_error.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::layered_line_test {
 
 using Layers = std::vector<RubberLayer>;
 
@@ -300,5 +299,4 @@ TEST(LayeredLine, EachHasTablesOfItsOwn) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::layered_line_test

@@ -8,8 +8,7 @@
 #include "fem/layer/patch_exact.h"
 #include "layer_sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::linear_elements_test {
 
 /// A parabola pressed `depth` deep, without friction, that touches `half_width` to a side by Reynolds' equation.
 Scene pressed_parabola(double half_width, double depth) {
@@ -76,5 +75,4 @@ TEST(LinearElements, AreOfThinAndHardlyCompressibleRubberOnly) {
   EXPECT_FALSE(needs_linear_pressure(sensor, 10 * sensor.thickness));
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::linear_elements_test

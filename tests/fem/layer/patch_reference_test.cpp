@@ -15,8 +15,7 @@
 #include "fem/numbers/cache_directory.h"
 #include "layer_sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::patch_reference_test {
 
 constexpr double pi = std::numbers::pi;
 constexpr double incompressible = 0.5 - 1e-9;  // no coupling on a half-plane
@@ -155,5 +154,4 @@ TEST(PatchReference, TheEdgeRuleKeepsTheForceOfAFlat) {
     EXPECT_NEAR(PatchSolver(model, {.elements = elements}).solve(scene).steps[0].P / truth, 1, 0.006) << elements;
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::patch_reference_test

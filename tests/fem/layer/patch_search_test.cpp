@@ -14,8 +14,7 @@
 #include "fem/layer/patch_compliance.h"
 #include "layer_sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::patch_search_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -136,5 +135,4 @@ TEST(PatchSearch, FindsTheDepthOfAForce) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::patch_search_test

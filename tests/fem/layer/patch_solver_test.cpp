@@ -16,8 +16,7 @@
 #include "fem/layer/patch_laws.h"
 #include "layer_sensors.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::patch_solver_test {
 
 constexpr double bonded = std::numeric_limits<double>::infinity();
 
@@ -354,5 +353,4 @@ TEST(PatchClosedForms, CattaneoMindlinStickZone) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::patch_solver_test

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::rigid_contact_test {
 
 constexpr Interval room{-10, 10};
 constexpr double depth = 0.2, position = 1.5;  // mm
@@ -59,5 +58,4 @@ TEST(RigidContact, MeasuredProfileIsItsHull) {
   EXPECT_NEAR(contact.right, 1.5, 1e-8);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::rigid_contact_test

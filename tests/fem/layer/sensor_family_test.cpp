@@ -13,8 +13,7 @@
 #include "fem/layer/patch_solver.h"
 #include "fem/numbers/value_error.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::sensor_family_test {
 
 constexpr SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14};
 
@@ -148,5 +147,4 @@ TEST(SensorFamily, AgreesWithTheModelOfEachSensor) {
   expect_agreement(shortest_of_family, 8, 3);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::sensor_family_test

@@ -8,8 +8,7 @@
 
 #include <cmath>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::creep_test {
 
 using Terms = std::vector<std::array<double, 2>>;
 
@@ -70,5 +69,4 @@ TEST(Creep, OfAStepIsBoundedAtAnyTime) {
   EXPECT_NEAR(last, 1 / 0.75, 1e-12);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::creep_test

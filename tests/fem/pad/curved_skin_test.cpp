@@ -15,8 +15,7 @@
 #include "fem/pad/pad_surface.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::curved_skin_test {
 
 // x^2 / (2 r) + (x + p)^2 / (2 R) has its least at -p r / (r + R), and the curvatures 1 / r and 1 / R add up.
 TEST(CurvedSkin, AParaboloidIsAnotherOneElsewhere) {
@@ -124,5 +123,4 @@ TEST(CurvedSkin, SaysWhatItDoesNotServe) {
   EXPECT_NE(key(sides).find("or sensor.sides = \"held\""), std::string::npos);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::curved_skin_test

@@ -10,8 +10,7 @@
 #include "fem/pad/pad_step.h"
 #include "tests/fem/expect_error.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::friction_map_test {
 
 constexpr double side = 6.6 / 16;
 const PadCells grid{.n = 16, .hx = side, .hy = side};
@@ -187,5 +186,4 @@ TEST(FrictionMap, SaysWhatIsWrong) {
   expect_value_error([&] { refuse_friction_map(scene); }, key, "0.5 at most", "left out of many paths");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::friction_map_test

@@ -14,8 +14,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::layered_pad_test {
 
 using Layers = std::vector<RubberLayer>;
 using Numbers = std::array<double, 9>;
@@ -282,5 +281,4 @@ TEST(LayeredPad, RefusesWhatTablesDoNotServe) {
             "\"held\"");
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::layered_pad_test

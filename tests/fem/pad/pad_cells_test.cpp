@@ -15,8 +15,7 @@
 #include "fem/pad/pad_solver.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_cells_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -272,5 +271,4 @@ TEST(PadCells, BelowASharpRoundEdgeHaveItsArea) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_cells_test

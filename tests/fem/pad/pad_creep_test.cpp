@@ -11,8 +11,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_step.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_creep_test {
 
 const PadOptions exact{.cells = 16, .tolerance = 1e-10, .accept = 1e-7};
 const std::vector<std::array<double, 2>> gel{{0.15, 0.3}, {0.10, 3.0}};
@@ -196,5 +195,4 @@ TEST(CreepingContact, RelaxationIsChecked) {
   EXPECT_THROW(scene.validate(), ValueError) << "elastic";
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_creep_test

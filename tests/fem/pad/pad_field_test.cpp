@@ -10,8 +10,7 @@
 #include "fem/pad/pad_layer.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_field_test {
 
 /// A paraboloid that is pressed, dragged and twisted. `yaw` turns it about its axis, and the drag with it.
 struct Pressed {
@@ -160,5 +159,4 @@ TEST(PadField, EachLevelBearsTheForce) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_field_test

@@ -17,8 +17,7 @@
 #include "fem/pad/pad_search.h"
 #include "fem/pad/pad_solver.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_layer_test {
 
 constexpr double pi = std::numbers::pi;
 constexpr double printed = 1e-10;  // the numbers have ten digits behind the point
@@ -297,5 +296,4 @@ TEST(PadLayer, WideCellsBearThinIncompressibleRubber) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_layer_test

@@ -11,8 +11,7 @@
 #include "tests/fem/resealed.h"
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_layers_test {
 
 namespace fs = std::filesystem;
 
@@ -70,5 +69,4 @@ TEST_F(PadLayersCache, BelieveNoDamagedFile) {
   EXPECT_EQ(apart(layers().layer(0.45), made), 0) << "no number";
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_layers_test

@@ -13,8 +13,7 @@
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_limits_test {
 
 /// A cylinder that presses and drags across, on the line (plane strain) and on a pad, 16 thicknesses long.
 struct LongContact {
@@ -107,5 +106,4 @@ TEST(PadLimits, CellsConvergeAtFirstOrderAtLeast) {
   EXPECT_GT(error[0] / error[2], 4);  // 4 at first order; the finest has an error, too
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_limits_test

@@ -14,8 +14,7 @@
 #include "fem/pad/pad_layers.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_markers_test {
 
 TEST(PadMarkers, CellsMoveThemAsAnIndependentProgramSays) {
   const struct {
@@ -235,5 +234,4 @@ TEST(PadMarkers, RefusesWhatIsNone) {
   EXPECT_THROW(scene.validate(), ValueError);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_markers_test

@@ -7,8 +7,7 @@
 
 #include "fem/pad/pad_mix.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_reference_test {
 
 const PadOptions coarse{.cells = 24,
                         .tolerance = 1e-4,
@@ -48,5 +47,4 @@ TEST(PadReference, JudgesTheSolver) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_reference_test

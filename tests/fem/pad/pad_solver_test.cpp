@@ -15,8 +15,7 @@
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_solver_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -503,5 +502,4 @@ TEST(PadSolver, ADragTakesAsManyIncrementsAsItMovesAgainstTheSlidingLimit) {
   EXPECT_NEAR(sliding_limit(scene, 1, cells), 0.249251, 1e-6);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_solver_test

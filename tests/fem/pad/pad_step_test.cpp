@@ -9,8 +9,7 @@
 
 #include "fem/pad/pad_layers.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::pad_step_test {
 
 const PadSensor rubber{.thickness = 2, .young = 1.5, .poisson = 0.45};
 
@@ -73,5 +72,4 @@ TEST(SteppedContact, MeetsAWrench) {
   EXPECT_LT(s.slip_index, ratio + 0.1);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::pad_step_test

@@ -11,8 +11,7 @@
 #include "fem/pad/side_kernel.h"
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::side_base_test {
 
 TEST(MixedBrick, UniformStrainHasTheStressOfHookesLaw) {
   constexpr double nu = 0.3, hx = 0.7, hy = 1.1, hz = 0.4;
@@ -156,5 +155,4 @@ TEST(SideCells, ABillionthOfTheThicknessPresses) {
   EXPECT_TRUE(step.slip_index);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::side_base_test

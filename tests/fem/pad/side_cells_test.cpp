@@ -13,8 +13,7 @@
 #include "fem/pad/pad_search.h"
 #include "fem/pad/pad_solver.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::side_cells_test {
 
 constexpr double L = 19;
 
@@ -185,5 +184,4 @@ TEST(SideCellsNightly, TwelveAreNearAFinerJudgeOnAnyRubber) {
     }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::side_cells_test

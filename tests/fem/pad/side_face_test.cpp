@@ -10,8 +10,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::side_face_test {
 
 PadScene face(double poisson, double friction, double H = 4.5) {
   PadScene scene;
@@ -91,5 +90,4 @@ TEST(SideFace, SlippingLetsRubberOut) {
   EXPECT_GT(normal_left(0), 0.7);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::side_face_test

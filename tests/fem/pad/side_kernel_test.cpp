@@ -18,8 +18,7 @@
 #include "fem/pad/slip_margin.h"
 #include "tests/scratch.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::side_kernel_test {
 
 constexpr double L = 19, H = 4.5, nu = 0.48;
 constexpr int n = 8;
@@ -326,5 +325,4 @@ TEST(SidesAt, EndWhereAsked) {
   EXPECT_EQ(calls, 0);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::side_kernel_test

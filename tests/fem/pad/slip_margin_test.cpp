@@ -7,8 +7,7 @@
 
 #include <random>
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::slip_margin_test {
 
 /// A disc of cells that all bear pressure, the same seen from opposite sides.
 struct Disc {
@@ -90,5 +89,4 @@ TEST(SlipMargin, NothingToBear) {
   EXPECT_NEAR(slip_margin(Eigen::MatrixX2d::Zero(1, 2), Eigen::VectorXd::Constant(1, 4), {2, 0, 0}), 0.5, 1e-9);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::slip_margin_test

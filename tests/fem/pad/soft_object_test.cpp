@@ -14,8 +14,7 @@
 #include "fem/pad/pad_solver.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::soft_object_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -167,5 +166,4 @@ TEST(SoftObject, ASolverRefusesTheLayerOfAnother) {
   EXPECT_THROW(PadSolver(layer).solve(scene), std::logic_error);
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::soft_object_test

@@ -11,8 +11,7 @@
 
 #include "fem/pad/pad_surface.h"
 
-namespace tactel::fem {
-namespace {
+namespace tactel::fem::uneven_face_test {
 
 UnevenFace face_of(unsigned seed, double rms, double length, std::size_t waves = 24) {
   std::mt19937 random(seed);
@@ -54,5 +53,4 @@ TEST(UnevenFace, GoesWhereTheFaceGoes) {
     }
 }
 
-}  // namespace
-}  // namespace tactel::fem
+}  // namespace tactel::fem::uneven_face_test

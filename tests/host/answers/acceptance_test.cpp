@@ -11,8 +11,7 @@
 #include "host/contact/lines/solve_on_rung.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::acceptance_test {
 
 constexpr double bound(Precision precision) { return precision == Precision::fp32 ? 0.02 : 1e-6; }
 
@@ -75,5 +74,4 @@ TEST(Acceptance, ASymmetricPressHasNoTangentialForce) {
   EXPECT_LE(std::abs(step.Q), 1e-6 * step.P);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::acceptance_test

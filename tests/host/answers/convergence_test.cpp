@@ -10,8 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::convergence_test {
 
 using testing::HasSubstr;
 
@@ -199,5 +198,4 @@ TEST(PadConvergence, Hertz) {
   EXPECT_TRUE(covers(quantity(found, "P").fit, 4.0 / 3 / (1 - nu * nu) * std::sqrt(R) * std::pow(depth, 1.5), 5e-3));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::convergence_test

@@ -16,8 +16,7 @@
 #include "tests/host/device/test_device.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::free_sides_solve_test {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -148,5 +147,4 @@ TEST(FreeSidesSolve, JsonSaysWhichSides) {
   EXPECT_FALSE(to_json(scene)["sensor"].contains("sides"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::free_sides_solve_test

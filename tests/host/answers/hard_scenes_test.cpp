@@ -19,8 +19,7 @@
 #include "test_paths.h"
 #include "tests/host/contact/contact_cases.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::hard_scenes_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -289,5 +288,4 @@ TEST(SolveOptions, AccuracyAndToleranceMustBeNumbersAboveZero) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::hard_scenes_test

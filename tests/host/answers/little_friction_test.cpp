@@ -6,8 +6,7 @@
 #include "host/answers/solve.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::little_friction_test {
 
 class LittleFriction : public testing::TestWithParam<double> {};
 
@@ -33,5 +32,4 @@ TEST_P(LittleFriction, IsAsRightInFp32AsAHundredth) {
 
 INSTANTIATE_TEST_SUITE_P(Mu, LittleFriction, testing::Values(1e-3, 3e-3, 9e-3));
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::little_friction_test

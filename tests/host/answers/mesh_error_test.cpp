@@ -16,8 +16,7 @@
 #include "host/scenes/scene_file.h"
 #include "test_paths.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::mesh_error_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -168,5 +167,4 @@ TEST(MeshError, StandsInTableAndJsonWhereItIsKnown) {
                                            HasSubstr("Q/mu P        elements ")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::mesh_error_test

@@ -11,8 +11,7 @@
 #include "host/contact/lines/contact_fallback.h"
 #include "host/contact/lines/patch_contact.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::over_end_test {
 
 fem::Scene over_end(fem::Shape shape, double position, double friction) {
   return {
@@ -85,5 +84,4 @@ TEST_P(OverTheEnd, ThePlannerTakesAnExactRung) {
 INSTANTIATE_TEST_SUITE_P(Of, OverTheEnd, testing::Values(profile, rounded_flat),
                          [](const auto& info) { return info.param().name; });
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::over_end_test

@@ -18,8 +18,7 @@
 #include "host/answers/solve.h"
 #include "host/answers/warnings.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_error_test {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -350,5 +349,4 @@ TEST(PadJudge, LongPathsHaveTheErrorsOfTheirClass) {
   EXPECT_THAT(answer_table(outcome), HasSubstr("(95 % of scenes, smooth)\n"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_error_test

@@ -21,8 +21,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_solve_test {
 
 using testing::AllOf;
 using testing::Contains;
@@ -379,5 +378,4 @@ TEST(PadSolve, OptionsThatContradict) {
   EXPECT_THAT(of_line({.solver = "twin"}), HasSubstr("batched or full-mesh for a line"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_solve_test

@@ -16,8 +16,7 @@
 #include "host/support/errors.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::planner_test {
 
 TEST(Ladder, OtherSensorsGetAsManyNodesToAThickness) {
   const fem::Scene scene{.sensor = {.length = 40}};
@@ -301,5 +300,4 @@ TEST(PlannerNightly, KeepsItsPromiseOnHeldOutScenes) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::planner_test

@@ -12,8 +12,7 @@
 #include "host/answers/step_quantities.h"
 #include "test_paths.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::quantities_test {
 
 /// The text of docs/answers.md from `begin` to `end`.
 std::string manual(const std::string& begin, const std::string& end) {
@@ -66,5 +65,4 @@ TEST(Quantities, ManyAnswersKeepThoseOfThePathInTheirOrder) {
       "converged ");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::quantities_test

@@ -10,8 +10,7 @@
 #include "host/answers/warnings.h"
 #include "host/contact/lines/contact_fallback.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::thin_rubber_test {
 
 struct Case {
   std::string name;
@@ -147,5 +146,4 @@ TEST(ThinRubber, WhatIsNotEstimatedIsSaid) {
   EXPECT_EQ(warnings(outcome).back(), "the error of this answer is not estimated: it has more than 100 load steps");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::thin_rubber_test

@@ -8,8 +8,7 @@
 #include "host/sets/contact_set.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::accuracy_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -64,5 +63,4 @@ TEST(Accuracy, OfASetIsSaidToHoldForSAlone) {
   EXPECT_THAT(read_attributes(set).rung, Not(HasSubstr("accuracy")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::accuracy_test

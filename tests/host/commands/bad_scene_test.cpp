@@ -6,8 +6,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::bad_scene_test {
 
 using testing::HasSubstr;
 
@@ -244,5 +243,4 @@ TEST(UnreadableScene, NamesTheLine) {
   EXPECT_THAT(run_tactel({"solve", scene}).err, HasSubstr(scene + ":6: sensor.rows = 1: must be"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::bad_scene_test

@@ -12,8 +12,7 @@
 #include "tests/host/commands/live_command.h"
 #include "tests/host/commands/small_sweep.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::bound_command_test {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -306,5 +305,4 @@ TEST_F(BoundCommandNightly, MonitorPrintsBoundAndAlarm) {
   EXPECT_THAT(quiet.err, HasSubstr("not calibrated"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::bound_command_test

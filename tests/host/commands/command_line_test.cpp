@@ -13,8 +13,7 @@
 #include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::command_line_test {
 
 using testing::AllOf;
 using testing::AnyOf;
@@ -484,5 +483,4 @@ TEST(Tradeoff, InterruptedEndsAsSuch) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("stopped"), Not(HasSubstr("error"))));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::command_line_test

@@ -14,8 +14,7 @@
 #include "hw/decoder.h"
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::csv_command_test {
 
 using ::testing::HasSubstr;
 
@@ -295,5 +294,4 @@ TEST_F(PadCommand, AThousandLinesASecondThroughAPipe) {
   for (const char* key : {"lost", "bad", "late"}) EXPECT_EQ(summary[key], 0) << key;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::csv_command_test

@@ -6,8 +6,7 @@
 
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::demo_command_test {
 
 using testing::HasSubstr;
 
@@ -67,5 +66,4 @@ TEST(Demo, EndsWithTheCodeOfTheCommandThatFails) {
   EXPECT_EQ(run_tactel({"demo", "--output", (folder / "demo").string(), "--device", "no such device"}).exit_code, 2);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::demo_command_test

@@ -11,8 +11,7 @@
 #include "host/device/device.h"
 #include "host/support/errors.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::devices_command_test {
 
 using testing::HasSubstr;
 
@@ -53,5 +52,4 @@ TEST(DevicesCommandDeathTest, WithoutDevicesTheErrorNamesTheUsersVariable) {
               "no OpenCL device; OCL_ICD_VENDORS = /nonexistent is set and may hide the devices: unset it");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::devices_command_test

@@ -8,8 +8,7 @@
 #include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::durability_test {
 
 /// Runs a command of tactel under strace; fails where a target was not written, synced, renamed and its folder synced.
 ChildResult in_order(const std::vector<std::string>& targets, const std::vector<std::string>& command,
@@ -104,5 +103,4 @@ TEST_F(Durability, Calibration) {
             0);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::durability_test

@@ -8,8 +8,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::examples_test {
 
 /// Of lines or of pads.
 std::vector<std::string> examples(bool pads) {
@@ -119,5 +118,4 @@ TEST_P(PadExample, RunsBySolversThatAgree) {
 INSTANTIATE_TEST_SUITE_P(All, PadExample, testing::ValuesIn(examples(true)),
                          [](const auto& info) { return info.param; });
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::examples_test

@@ -16,8 +16,7 @@
 #include "tests/host/device/test_device.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::generate_command_test {
 
 using testing::HasSubstr;
 
@@ -759,5 +758,4 @@ TEST_F(SmallSet, TheDocumentedPythonNamesTheIndenters) {
   EXPECT_THAT(result.out, HasSubstr("{0: 'random profile', 1: 'rounded_flat'}"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::generate_command_test

@@ -15,8 +15,7 @@
 #include "host/support/interrupt.h"
 #include "hw/frame_source.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::guarded_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -102,5 +101,4 @@ TEST(Guarded, WhatTheCommandReturnsStays) {
   EXPECT_EQ(outcome([]() -> int { throw Stopped("stopped after 3 scenes"); }).err, "stopped after 3 scenes\n");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::guarded_test

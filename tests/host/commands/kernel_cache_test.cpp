@@ -6,8 +6,7 @@
 #include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::kernel_cache_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -286,5 +285,4 @@ TEST_F(SolveWithCacheNightly, InterruptedWhileItCompilesEndsAsSuch) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::kernel_cache_test

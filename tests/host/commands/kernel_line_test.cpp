@@ -11,8 +11,7 @@
 
 #include "host/commands/program.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::kernel_line_test {
 
 /// Each message lasts longer than the half second that a shorter one is not worth a line.
 void hear(const std::vector<const char*>& messages) {
@@ -45,5 +44,4 @@ TEST(KernelLine, OfATerminalNumbersKernels) {
   EXPECT_THAT(shown, testing::HasSubstr("compiling kernels for this device (once), number 2 ..."));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::kernel_line_test

@@ -12,8 +12,7 @@
 #include "host/scenes/toml_table.h"
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::left_command_test {
 
 using ::testing::HasSubstr;
 
@@ -221,5 +220,4 @@ TEST_F(LeftCommand, AFieldThatIsNoNumberCannotTell) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::left_command_test

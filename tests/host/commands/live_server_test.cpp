@@ -22,8 +22,7 @@
 #include "host/support/seconds.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::live_server_test {
 
 using ::testing::AllOf;
 using ::testing::EndsWith;
@@ -266,5 +265,4 @@ TEST(LiveServer, SaysWhyItCannotListen) {
     EXPECT_THAT(why(place), HasSubstr("PORT or ADDRESS:PORT")) << place;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::live_server_test

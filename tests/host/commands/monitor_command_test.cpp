@@ -13,8 +13,7 @@
 #include "tests/host/commands/live_command.h"
 #include "tests/host/networks/bounded_model.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::monitor_command_test {
 
 using ::testing::HasSubstr;
 
@@ -340,5 +339,4 @@ TEST_F(MonitorOptions, TimesThatAreNoneAreRefused) {
           << option << " " << value;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::monitor_command_test

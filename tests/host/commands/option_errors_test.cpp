@@ -10,8 +10,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::option_errors_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -146,5 +145,4 @@ TEST(OptionErrors, AnOptionOfAlarmsNeedsTheirDecision) {
                 testing::StartsWith("error: command line: " + option + ": must be left out, or with --decision\n"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::option_errors_test

@@ -9,8 +9,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_pictures_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -84,5 +83,4 @@ TEST(PadPictures, AreOfTheStepNamed) {
   EXPECT_TRUE(is_refused(run_tactel({"solve", twisted, "--plot", folder / "a.gif"}), {"--plot", ".svg, .png or .pdf"}));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_pictures_test

@@ -5,8 +5,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::readme_test {
 
 /// Lines of a table of steps, without iterations and residual, which differ between processors, and of the error.
 std::vector<std::string> step_lines(const std::string& text) {
@@ -40,5 +39,4 @@ TEST(ReadmeFiles, FilesItNamesAreThere) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::readme_test

@@ -9,8 +9,7 @@
 #include "host/sets/contact_set.h"
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::recall_recording_test {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -100,5 +99,4 @@ TEST(RecallUnit, StressesBeyondAllThatWasLearntAreNamed) {
   EXPECT_THAT(recall_of(2.1, {"--quiet"}).err, Not(HasSubstr("MPa?")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::recall_recording_test

@@ -9,8 +9,7 @@
 #include "hw/recording.h"
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::record_command_test {
 
 using ::testing::HasSubstr;
 
@@ -113,5 +112,4 @@ TEST_F(Record, WarnsWhereNothingWasDecoded) {
               ::testing::Not(HasSubstr("warning")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::record_command_test

@@ -12,8 +12,7 @@
 
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::rest_command_test {
 
 using ::testing::HasSubstr;
 
@@ -251,5 +250,4 @@ TEST_F(RestCommand, ALineOfStandardInputSeeksRestAnew) {
   EXPECT_GE(found, 2);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::rest_command_test

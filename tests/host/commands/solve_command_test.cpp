@@ -14,8 +14,7 @@
 #include "host/support/checksum.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::solve_command_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -419,5 +418,4 @@ TEST(CommandLine, SaysThatAConverterIsMissing) {
   EXPECT_EQ(folder.files(), 0u);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::solve_command_test

@@ -7,8 +7,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::solve_pad_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -138,5 +137,4 @@ TEST(SolvePad, HelpNamesItsWords) {
   for (const char* word : {"pad-8, pad-12, pad-16", "twin"}) EXPECT_THAT(help, HasSubstr(word));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::solve_pad_test

@@ -7,8 +7,7 @@
 
 #include "tests/host/commands/live_command.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::tare_command_test {
 
 using ::testing::HasSubstr;
 
@@ -76,5 +75,4 @@ TEST_F(TareCommand, AContactIsFoundAboveTheNoise) {
     EXPECT_EQ(run_tactel({"monitor", "--source", quiet, "--network", network_, "--touch", value}).exit_code, 2);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::tare_command_test

@@ -13,7 +13,7 @@
 #include "host/training/answered_rows.h"
 #include "tests/host/sets/network_files.h"
 
-namespace {
+namespace train_command_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -654,4 +654,4 @@ TEST(WrongTrainingOutput, IsRefusedBeforeTheWork) {
   EXPECT_TRUE(is_refused(train(folder.write("file", "text")), {"--output"}));
 }
 
-}  // namespace
+}  // namespace train_command_test

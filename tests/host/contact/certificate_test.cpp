@@ -12,7 +12,7 @@
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 
-namespace {
+namespace certificate_test {
 
 using namespace tactel;
 using fem::base_force_difference;
@@ -142,4 +142,4 @@ INSTANTIATE_TEST_SUITE_P(GapSweep, Certificate,
                                            Case{"fp64_force", host::Precision::fp64, true}),
                          [](const auto& info) { return info.param.name; });
 
-}  // namespace
+}  // namespace certificate_test

@@ -13,8 +13,7 @@
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::contact_stream_test {
 
 /// A model without a kernel: a lane "answers" with as many steps as its scene's value. Multiples of three do not hold,
 /// and are solved again: to ten times the value, which `finish` makes one more for values above a hundred. Steps 0 and
@@ -238,5 +237,4 @@ TEST(ContactStream, LanesAndSolutionsHaveTheSameNumbers) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::contact_stream_test

@@ -16,8 +16,7 @@
 #include "tests/fem/expect_error.h"
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::friction_map_test {
 
 const FrictionMap blotched{{{0.7, 0.2, 0.5}, {0.1, 0.6, 0.0}, {0.4, 0.3, 0.9}}, 0.7};
 
@@ -274,5 +273,4 @@ TEST(PadStepFrictionMap, SaysWhatIsWrong) {
     mu[100] = wrong, refused(mu, "", "0 or more");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::friction_map_test

@@ -17,7 +17,7 @@
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 
-namespace {
+namespace gap_sweep_test {
 
 using namespace tactel;
 using fem::base_force_difference;
@@ -243,4 +243,4 @@ TEST(GapSweep, RefusesAnInvalidScene) {
   EXPECT_THROW(host::solve_on_meshes(executor(), scenes, host::Precision::fp64), ValueError);
 }
 
-}  // namespace
+}  // namespace gap_sweep_test

@@ -7,8 +7,7 @@
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::lanes_test {
 
 template <class Real>
 class LanesNightly : public ::testing::Test {};
@@ -45,5 +44,4 @@ TYPED_TEST(LanesNightly, OfAnyNumberGiveTheSameBits) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::lanes_test

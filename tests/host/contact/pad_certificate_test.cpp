@@ -11,8 +11,7 @@
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_certificate_test {
 
 /// The laws of fem/pad/pad_contact.h from the forces of an answer, step after step. All increments of its path must be
 /// asked.
@@ -168,5 +167,4 @@ INSTANTIATE_TEST_SUITE_P(CellsAndScenes, RandomPads, testing::Combine(testing::V
 INSTANTIATE_TEST_SUITE_P(Nightly, RandomPads, testing::Combine(testing::Values(8, 12), testing::Values(100000)),
                          cells_and_scenes);
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_certificate_test

@@ -21,8 +21,7 @@
 #include "tests/fem/pad/named_pad_scenes.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_contact_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -437,5 +436,4 @@ TEST(PadTables, InfluenceBetweenTheRungsOfTheLadder) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_contact_test

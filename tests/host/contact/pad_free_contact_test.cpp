@@ -15,8 +15,7 @@
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_free_contact_test {
 
 constexpr double L = 19;
 
@@ -217,5 +216,4 @@ TEST(PadFreeContact, LongPadsHaveABlockForEachPlace) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_free_contact_test

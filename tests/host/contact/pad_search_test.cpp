@@ -16,8 +16,7 @@
 #include "fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_search_test {
 
 /// Sensors side by side in one batch; the last is thin and cannot be compressed.
 const std::vector<fem::PadSensor>& sensors() {
@@ -303,5 +302,4 @@ TEST(PadSearch, SameBitsInAnyBatchOrderAndNumberOfLanes) {
     EXPECT_EQ(numbers(PadSearch<float>(executor()).find(std::span(&scenes[i], 1))[0]), numbers(all[i])) << i;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_search_test

@@ -12,8 +12,7 @@
 #include "host/contact/pads/pad_contact.h"
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_accuracy_test {
 
 /// The kernel, in fp64, and its twin: the same cells, histories, covers and axes; other searches for a pose.
 TEST(PadStep, AgreesWithItsTwinInFp64) {
@@ -121,5 +120,4 @@ TEST(PadStep, GivesTheFramesOfItsTractions) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_accuracy_test

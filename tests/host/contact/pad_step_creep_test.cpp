@@ -12,8 +12,7 @@
 #include "fem/pad/pad_step.h"
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_creep_test {
 
 constexpr std::size_t count = 3;
 
@@ -169,5 +168,4 @@ TEST(PadStepCreep, RefusesStatesOfOtherRubberAndTimesThatAreNone) {
   for (const double dt : {-1.0, std::nan(""), 1e13}) EXPECT_THROW(creeping.set_dt(dt), ValueError);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_creep_test

@@ -16,8 +16,7 @@
 #include "tests/host/contact/stepped.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_grid_test {
 
 using Pose = std::array<double, 4>;
 
@@ -393,5 +392,4 @@ TEST(PadStepGrid, HasASlipIndexOfOneAtMost) {
   EXPECT_EQ(most, 1);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_grid_test

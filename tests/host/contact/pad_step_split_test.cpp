@@ -13,8 +13,7 @@
 #include "fem/pad/pad_step.h"
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_split_test {
 
 using Pose = std::array<double, 4>;
 
@@ -206,5 +205,4 @@ TEST(PadStepSplit, ATableWithoutSymmetryIsSwept) {
   for (std::size_t c = 0; c < all.count; ++c) EXPECT_EQ(rows_of(steps, c), rows_of(swept, c));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_split_test

@@ -20,8 +20,7 @@
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_test {
 
 /// The increments of a path, one a step, have the bits of the path: same cells about the pad's middle, same heights.
 template <class Real>
@@ -378,5 +377,4 @@ TEST(PadStepSides, FramesSumToTheForceAsTactelsGetFine) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_test

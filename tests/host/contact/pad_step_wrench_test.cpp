@@ -10,8 +10,7 @@
 
 #include "tests/host/contact/stepped.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_step_wrench_test {
 
 /// What a wrench asks, against what a contact has, over P: the largest of P, Qx, Qy.
 double miss(const PadStepper<float>& steps, std::size_t c, std::span<const double> wrench) {
@@ -152,5 +151,4 @@ TEST(PadStep, SaysWhatNothingBears) {
   EXPECT_EQ(flags_of(steps, 0), 0);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_step_wrench_test

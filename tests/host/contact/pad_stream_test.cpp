@@ -11,8 +11,7 @@
 #include "kernels/shared/pad_layout.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_stream_test {
 
 /// Scenes of two Poisson's ratios, some with their own, two arrays of tactels and any thickness and E; some by force.
 std::vector<fem::PadScene> pad_scenes(std::size_t count) {
@@ -221,5 +220,4 @@ TEST(PadStream, PartsFollowEachOtherUntilProgressEndsThem) {
   EXPECT_EQ(answers, 8192u);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_stream_test

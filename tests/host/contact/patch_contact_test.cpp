@@ -21,8 +21,7 @@
 #include "tests/host/contact/one_launch.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::patch_contact_test {
 
 using tactel::testing::all_shapes;
 using tactel::testing::hash;
@@ -543,5 +542,4 @@ TEST(PatchContact, LiftedIndenterBearsNothing) {
   EXPECT_EQ(solution.steps[1].sigma_y.cwiseAbs().maxCoeff(), 0);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::patch_contact_test

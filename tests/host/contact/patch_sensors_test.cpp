@@ -22,8 +22,7 @@
 #include "tests/host/contact/one_launch.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::patch_sensors_test {
 
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
@@ -276,5 +275,4 @@ TEST(PatchSensors, ThePlannerTriesThemOnTheirFamily) {
   EXPECT_TRUE(chosen.kept);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::patch_sensors_test

@@ -15,7 +15,7 @@
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/contact/one_launch.h"
 
-namespace {
+namespace same_bits_test {
 
 using namespace tactel;
 using tactel::testing::hash;
@@ -149,4 +149,4 @@ INSTANTIATE_TEST_SUITE_P(GapSweep, SameBits,
                                            Case{"fp64_frictionless_force", false, true, false}),
                          [](const auto& info) { return info.param.name; });
 
-}  // namespace
+}  // namespace same_bits_test

@@ -6,8 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::strata_test {
 
 TEST(Strata, AreOfEqualSizeInAscendingOrder) {
   const std::vector<double> friction = {0.9, 0.1, 0.5, 0.3, 0.7, 0.5};
@@ -25,5 +24,4 @@ TEST(Strata, TakeEqualNumbersInTheirOrderAndNaNFirst) {
 
 TEST(Strata, OfNothingAreNone) { EXPECT_TRUE(strata({}, 4).empty()); }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::strata_test

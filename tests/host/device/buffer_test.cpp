@@ -10,8 +10,7 @@
 #include "host/device/opencl.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::buffer_test {
 
 /// A driver whose blocking writes copy the data and return, as OpenCL allows: the device has them when their queue is
 /// finished. Intel's driver for processors is one.
@@ -45,27 +44,25 @@ class LateWrites {
   std::vector<Write> waiting_;
 };
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::buffer_test
 
 // Calls of the library under test come here.
 extern "C" cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem to, cl_bool blocking, std::size_t offset,
                                        std::size_t bytes, const void* from, cl_uint waits, const cl_event* wait,
                                        cl_event* done) {
-  using tactel::host::LateWrites;
+  using tactel::host::buffer_test::LateWrites;
   if (!LateWrites::current) return LateWrites::real_write(queue, to, blocking, offset, bytes, from, waits, wait, done);
   LateWrites::current->write(queue, to, offset, bytes, from);
   return CL_SUCCESS;
 }
 
 extern "C" cl_int clFinish(cl_command_queue queue) {
-  using tactel::host::LateWrites;
+  using tactel::host::buffer_test::LateWrites;
   if (LateWrites::current) LateWrites::current->finish(queue);
   return LateWrites::real_finish(queue);
 }
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::buffer_test {
 
 /// PoCL's devices, and one whose memory is its own.
 class BufferOn : public testing::TestWithParam<std::string> {
@@ -175,5 +172,4 @@ TEST_P(BufferOn, ALaunchSeesWhatWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, BufferOn, testing::Values("basic", "pthread", "copies"));
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::buffer_test

@@ -18,8 +18,7 @@
 #include "host/support/durable_file.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::compile_cache_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -214,5 +213,4 @@ TEST(CachePlace, IsTheFirstThatCanBeWritten) {
   EXPECT_THAT(choose_cache(own, {}, std::size_t{1} << 62).trouble, HasSubstr("the disk is full"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::compile_cache_test

@@ -13,8 +13,7 @@
 #include "tests/host/device/test_device.h"
 #include "tests/scratch.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::device_test {
 
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -167,5 +166,4 @@ TEST_F(FreshProcessDeathTest, WithoutAPlaceForCachesThereAreStillDevices) {
   EXPECT_EXIT(without_cache(), testing::ExitedWithCode(0), "");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::device_test

@@ -13,8 +13,7 @@
 #include "host/device/executor.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::elementary_test {
 
 // u in (0, 1); v = 160 u - 80; w = 2 u
 const char* const text =
@@ -94,5 +93,4 @@ TEST(ElementaryFunctions, HaveTheSameBitsAtEveryNumberOfLanes) {
   expect_same_bits<double>();
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::elementary_test

@@ -14,8 +14,7 @@
 #include "test_paths.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::embedded_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -98,5 +97,4 @@ TEST(EmbeddedOnDevice, BuildErrorNamesTheOptions) {
                                               testing::Property(&KernelBuildError::what, HasSubstr(options)))));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::embedded_test

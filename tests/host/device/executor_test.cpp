@@ -20,8 +20,7 @@
 #include "host/support/stop_scope.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::executor_test {
 
 constexpr int poison = -1000, twice = -2000;
 
@@ -410,5 +409,4 @@ TEST(Executor, ThreadsFromTheEnvironment) {
   unsetenv("TACTEL_THREADS");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::executor_test

@@ -11,8 +11,7 @@
 #include <set>
 #include <thread>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::group_supply_test {
 
 TEST(GroupSupply, EveryGroupOfEveryJobOnce) {
   const std::vector<std::size_t> groups{3, 0, 1000, 1};
@@ -150,5 +149,4 @@ TEST(Pace, BeginsWithOneGroupAndDoublesAtMost) {
   EXPECT_EQ(pace.next(100000), 1u);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::group_supply_test

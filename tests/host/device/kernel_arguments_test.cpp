@@ -12,8 +12,7 @@
 #include "kernels/embedded.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::kernel_arguments_test {
 
 const char* const text =
     "#include \"shared/lanes.h\"\n"
@@ -110,5 +109,4 @@ TEST(KernelParametersOnDevice, AreThoseThatTheCompilerSaw) {
   EXPECT_GE(kernels_seen, 8);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::kernel_arguments_test

@@ -11,8 +11,7 @@
 #include "host/device/buffer.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::layout_test {
 
 struct LayoutEntry {
   std::string name;
@@ -55,5 +54,4 @@ TEST(LayoutList, FieldsFillTheirStruct) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, Layout, testing::ValuesIn(tested_devices()));
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::layout_test

@@ -19,8 +19,7 @@
 #include "host/support/stop_scope.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::program_test {
 
 const char* const text =
     "#include \"shared/group.h\"\n"
@@ -184,5 +183,4 @@ TEST(Device, LogsToTheDefaultWithoutASinkOfItsOwn) {
   EXPECT_EQ(own, Heard{"to mine"});
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::program_test

@@ -13,8 +13,7 @@
 
 #include "host/device/executor.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::thread_team_test {
 
 using namespace std::chrono_literals;
 
@@ -129,5 +128,4 @@ TEST(ExecutorDeathTest, AnExecutorSaysThatItHasFewer) {
   EXPECT_EXIT(few_threads(), testing::ExitedWithCode(0), "only [0-9]+ of 1000 threads could be created");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::thread_team_test

@@ -11,8 +11,7 @@
 #include "host/figures/contact_view.h"
 #include "host/figures/page.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_view_test {
 
 using Json = nlohmann::ordered_json;
 using fem::GapStatus;
@@ -193,5 +192,4 @@ TEST(PadFigure, DrawsEmptyAndSingleSteps) {
   EXPECT_THAT(render_svg(one), HasSubstr("<svg"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_view_test

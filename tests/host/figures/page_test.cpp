@@ -16,8 +16,7 @@
 #include "host/figures/error_panels.h"
 #include "host/figures/grid_field.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::page_test {
 
 using Json = nlohmann::ordered_json;
 using testing::ElementsAre;
@@ -218,5 +217,4 @@ TEST(ErrorPanels, DotsAreOfAllLoadSteps) {
   EXPECT_NEAR(std::ranges::count(panel.series[1].x, 0.0), 67, 31);  // as ChosenRow.KeepsNoStepOfAPeriod
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::page_test

@@ -14,8 +14,7 @@
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::plot_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -193,5 +192,4 @@ TEST(ContactFigure, TractionIsForceOverTheNodesShare) {
   EXPECT_EQ(traction(force, x), (std::vector{2.0, 1.0, 2.0, 1.0}));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::plot_test

@@ -10,8 +10,7 @@
 
 #include "fem/gap/gap_reference.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::vtu_test {
 
 fem::Scene small_scene(fem::Element element) {
   return {.sensor = {.columns = 21, .rows = 5, .element = element},
@@ -70,5 +69,4 @@ TEST(Vts, HoldsEveryPointOfTheRubber) {
 INSTANTIATE_TEST_SUITE_P(Elements, Vtu, testing::Values(fem::Element::bbar, fem::Element::q4i, fem::Element::q8),
                          [](const auto& info) { return fem::name(info.param); });
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::vtu_test

@@ -10,8 +10,7 @@
 #include "tests/host/networks/bounded_model.h"
 #include "tests/thrown_message.h"
 
-namespace tactel {
-namespace {
+namespace tactel::alarm_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsNan;
@@ -400,5 +399,4 @@ TEST(Alarm, RefusesWhatItCannotMean) {
   EXPECT_EQ(refused(ratio, {.at = INFINITY}), "no error");
 }
 
-}  // namespace
-}  // namespace tactel
+}  // namespace tactel::alarm_test

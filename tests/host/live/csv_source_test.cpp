@@ -22,8 +22,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::csv_source_test {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
@@ -347,5 +346,4 @@ TEST_F(CsvPipe, AThousandFramesASecond) {
   EXPECT_TRUE(std::ranges::is_sorted(seen.arrivals));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::csv_source_test

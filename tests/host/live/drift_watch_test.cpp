@@ -10,8 +10,7 @@
 #include <functional>
 #include <random>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::drift_watch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -253,5 +252,4 @@ TEST(DriftWatch, WithoutNoiseInTheCalibrationThereIsNothingToWatch) {
   EXPECT_THAT(player.play(1000, [](std::size_t, std::vector<double>& readings) { readings[0] += 9; }), IsEmpty());
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::drift_watch_test

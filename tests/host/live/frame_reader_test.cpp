@@ -5,8 +5,7 @@
 
 #include "tests/host/live/simulated_frames.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::frame_reader_test {
 
 // Half a frame, then the device was away: the half is no damage, and does not take the next frame along.
 TEST(ReadFrames, AGapInterruptsTheDecoder) {
@@ -38,5 +37,4 @@ TEST(ReadFrames, AGapInterruptsTheDecoder) {
   EXPECT_EQ(turns, 2);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::frame_reader_test

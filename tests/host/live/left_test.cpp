@@ -10,8 +10,7 @@
 #include "nn/infer/grip_score.h"
 #include "tests/thrown_message.h"
 
-namespace tactel {
-namespace {
+namespace tactel::left_test {
 
 using ::testing::HasSubstr;
 
@@ -389,5 +388,4 @@ TEST(Left, RefusesWhatItCannotMean) {
   EXPECT_THAT(message([](AlarmOptions& o) { o.touch = 0; }), HasSubstr("touch: 0"));
 }
 
-}  // namespace
-}  // namespace tactel
+}  // namespace tactel::left_test

@@ -13,8 +13,7 @@
 
 #include "tests/host/networks/bounded_model.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::live_estimator_test {
 
 using nn::ScalingKind;
 using tactel::testing::bounded_model;
@@ -144,5 +143,4 @@ TEST(LiveEstimator, EachSensorHasItsOwnNetwork) {
   expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 4, 5, 0, 2, 3, 4, 5});
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::live_estimator_test

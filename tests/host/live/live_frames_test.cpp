@@ -10,8 +10,7 @@
 #include "hw/frame_source.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::live_frames_test {
 
 using ::testing::ElementsAre;
 
@@ -217,5 +216,4 @@ TEST(OpenSource, ADeviceThatIsNotThereSaysWhatToCheck) {
               ::testing::ThrowsMessage<hw::SourceError>(::testing::HasSubstr("lsusb -d 04d8:000a")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::live_frames_test

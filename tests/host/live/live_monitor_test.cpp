@@ -14,8 +14,7 @@
 #include "tests/host/live/simulated_frames.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::live_monitor_test {
 
 using ::testing::HasSubstr;
 
@@ -385,5 +384,4 @@ TEST(LiveMonitor, NetworksThatDoNotFitThePadsAreRefused) {
   EXPECT_THAT(refused({good, bounded}, pads), HasSubstr("networks that all have a bound, or none"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::live_monitor_test

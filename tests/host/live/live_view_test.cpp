@@ -10,8 +10,7 @@
 #include <thread>
 #include <tuple>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::live_view_test {
 
 Answer answer_of(float slip_index) { return {.slip_index = slip_index}; }
 
@@ -187,5 +186,4 @@ TEST(LiveView, GoesUpOverAsManyLinesAsThePadHad) {
   EXPECT_THAT(*view.show(line, 80), ::testing::StartsWith("\x1b[11A")) << "S, history, 4 times 2, words";
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::live_view_test

@@ -9,8 +9,7 @@
 #include "host/live/open_source.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::mounting_watch_test {
 
 using Frames = std::vector<std::vector<float>>;
 constexpr std::size_t n = 4, tactels = n * n;  // examples/pad.toml
@@ -110,5 +109,4 @@ TEST(MountingWatch, WithoutShearOrTouchThereIsNothingToWatch) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::mounting_watch_test

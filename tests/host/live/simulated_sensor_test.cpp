@@ -14,8 +14,7 @@
 #include "tests/host/live/simulated_frames.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::simulated_sensor_test {
 
 // Without decay, spread and noise the chain gives back the stresses of the solved steps within half a converter step.
 TEST(SimulatedSensor, TheChainWithoutItsFaultsGivesTheSceneBack) {
@@ -176,5 +175,4 @@ TEST(SimulatedSensor, APadOfOneAxisSendsNormalStressesAlone) {
   EXPECT_THROW(open_source("simulate:" + source_file("examples/pad.toml") + "?tactels=8", "", ""), ConfigError);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::simulated_sensor_test

@@ -13,7 +13,7 @@
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/networks/onnx_evaluator.h"
 
-namespace {
+namespace features_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -159,4 +159,4 @@ TEST(FeaturesTrainingOnDevice, NetworksAnswerImagesAsTheyAnswerTheFrames) {
   }
 }
 
-}  // namespace
+}  // namespace features_test

@@ -14,7 +14,7 @@
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace {
+namespace forward_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -332,4 +332,4 @@ TEST(Activation, KeepsItsBound) {
   EXPECT_LT(largest, 0.5);
 }
 
-}  // namespace
+}  // namespace forward_test

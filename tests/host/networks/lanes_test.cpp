@@ -8,8 +8,7 @@
 #include "host/networks/train_online.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::lanes_test {
 
 using tactel::testing::bumps;
 using tactel::testing::largest_difference;
@@ -88,5 +87,4 @@ TEST(OnAGpu, NetworksTrainToTheSameBits) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::lanes_test

@@ -18,7 +18,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace network_training_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -426,4 +426,4 @@ TEST_F(NetworkTrainingTest, RefusesPlansThatCannotWork) {
   EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
 }
 
-}  // namespace
+}  // namespace network_training_test

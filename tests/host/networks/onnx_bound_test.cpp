@@ -11,7 +11,7 @@
 #include "tests/host/networks/onnx_evaluator.h"
 #include "tests/scratch.h"
 
-namespace {
+namespace onnx_bound_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -21,8 +21,6 @@ using tactel::testing::bumps;
 using tactel::testing::executor;
 using tactel::testing::OnnxEvaluator;
 using tactel::testing::parsed;
-
-}  // namespace
 
 TEST(OnnxBound, SatisfiesTheStandardsChecker) {
   for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame})
@@ -86,3 +84,5 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->rows, 4321u);
   EXPECT_EQ(read.bound->seed, 77u);
 }
+
+}  // namespace onnx_bound_test

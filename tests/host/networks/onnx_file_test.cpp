@@ -23,7 +23,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace onnx_file_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -55,8 +55,6 @@ class OnnxFile : public ::testing::Test {
   const tactel::ScratchFolder folder_;
   const fs::path directory_ = folder_ / "", path_ = directory_ / "network.onnx";
 };
-
-}  // namespace
 
 TEST_F(OnnxFile, SatisfiesTheStandardsChecker) {
   for (const char* topology : {"1", "5", "16-16-8-1", "2-1-1", "16-16-8-1_leaky-relu"})
@@ -348,3 +346,5 @@ TEST_F(OnnxFile, IsNoDeviceAndNotEndless) {
 TEST_F(OnnxFile, SaysWhenItCannotWrite) {
   EXPECT_THROW(write_onnx(directory_ / "nowhere" / "network.onnx", some_model("2-1-1", ScalingKind::set)), ConfigError);
 }
+
+}  // namespace onnx_file_test

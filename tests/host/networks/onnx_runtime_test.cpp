@@ -9,7 +9,7 @@
 #include "host/training/named_network.h"
 #include "tests/host/sets/network_files.h"
 
-namespace {
+namespace onnx_runtime_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -91,4 +91,4 @@ TEST(OnnxRuntimeNightly, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
   EXPECT_GT(*std::ranges::max_element(own) - *std::ranges::min_element(own), 0.3);
 }
 
-}  // namespace
+}  // namespace onnx_runtime_test

@@ -10,7 +10,7 @@
 #include "nn/quantile_heads.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace {
+namespace train_batch_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -221,4 +221,4 @@ TEST(TrainBatchRefuses, WhatDoesNotFit) {
                ValueError);
 }
 
-}  // namespace
+}  // namespace train_batch_test

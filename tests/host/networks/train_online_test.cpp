@@ -11,7 +11,7 @@
 #include "host/networks/network_training.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace {
+namespace train_online_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -287,4 +287,4 @@ TEST(TrainOnlineRefuses, WhatDoesNotFit) {
   EXPECT_THROW(LearningInputs<float>(executor().device(), bad, c.scaling, c.variants), ValueError);
 }
 
-}  // namespace
+}  // namespace train_online_test

@@ -12,8 +12,7 @@
 #include "tests/host/support/run_tactel.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::distribution_test {
 
 constexpr int count = 20000;
 
@@ -113,5 +112,4 @@ TEST(Distribution, RefusesWhatIsNone) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::distribution_test

@@ -12,8 +12,7 @@
 
 #include "tests/host/scenes/sweep_text.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::hold_load_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -256,5 +255,4 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
   EXPECT_THAT(message_of<PadSource>(own), AllOf(HasSubstr("sweep.sensors"), HasSubstr("which grips share")));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::hold_load_test

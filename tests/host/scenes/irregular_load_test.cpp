@@ -10,8 +10,7 @@
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::irregular_load_test {
 
 using testing::AllOf;
 using testing::Ge;
@@ -147,5 +146,4 @@ TEST(IrregularLoad, NamesTheContactWhoseNumbersContradict) {
                                              AllOf(HasSubstr("below the rubber's thickness"), HasSubstr("contact 2"))));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::irregular_load_test

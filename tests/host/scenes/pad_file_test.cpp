@@ -12,8 +12,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_file_test {
 
 using testing::AllOf;
 
@@ -386,5 +385,4 @@ TEST(PadFile, KeysOfAPadInALine) {
   EXPECT_THAT(message("kind = \"square\"", "shape = \"flat\"", ""), HasSubstr("one of line, pad"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_file_test

@@ -14,8 +14,7 @@
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_source_test {
 
 using testing::AllOf;
 using testing::ElementsAre;
@@ -294,5 +293,4 @@ TEST(PadIrregularLoad, ReleasesBetweenPressesStayInPlace) {
   EXPECT_EQ(largest_normal(load), 0.2);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_source_test

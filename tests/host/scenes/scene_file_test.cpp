@@ -14,8 +14,7 @@
 #include "tests/host/support/run_tactel.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::scene_file_test {
 
 fem::Scene read_text(const std::string& text) {
   const ScratchFolder folder;
@@ -254,5 +253,4 @@ TEST(SceneJson, EveryKindOfLoad) {
             R"({"indentation":0.1,"indentation_steps":1,"tangential_step":0.05,"tangential_steps":8})");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::scene_file_test

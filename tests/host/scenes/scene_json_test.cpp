@@ -12,8 +12,7 @@
 #include "host/scenes/scene_file.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::scene_json_test {
 
 // What an answer says of its indenter, written as a scene file, is the same indenter.
 TEST(SceneJson, HoldsEveryNumberOfAShape) {
@@ -40,5 +39,4 @@ TEST(SceneJson, HoldsEveryNumberOfAShape) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::scene_json_test

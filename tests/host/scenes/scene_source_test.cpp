@@ -13,8 +13,7 @@
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::scene_source_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -331,5 +330,4 @@ TEST(EndTactels, StandAtTheEndsOfTheBase) {
   EXPECT_FALSE(tactels_at_ends(sensor)) << "one stands in the middle";
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::scene_source_test

@@ -16,8 +16,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::scene_toml_test {
 
 std::string json_of(const AnyScene& scene) {
   return std::visit([](const auto& one) { return to_json(one).dump(); }, scene);
@@ -57,5 +56,4 @@ TEST(SceneToml, PointsWithoutAFileAreRefused) {
   EXPECT_THAT(thrown_message<ConfigError>([&] { scene_toml(scene); }), ::testing::HasSubstr("indenter.file"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::scene_toml_test

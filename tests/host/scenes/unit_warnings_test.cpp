@@ -14,8 +14,7 @@
 #include "host/scenes/sweep_file.h"
 #include "tests/host/scenes/sweep_text.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::unit_warnings_test {
 
 using testing::AllOf;
 using testing::ElementsAre;
@@ -156,5 +155,4 @@ TEST(UnitWarnings, NoExampleHasOne) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::unit_warnings_test

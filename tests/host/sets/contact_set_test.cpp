@@ -17,7 +17,7 @@
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace {
+namespace contact_set_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -298,4 +298,4 @@ TEST(CheckSetBytes, FindsEveryFlippedByte) {
   EXPECT_GT(refused, 250);
 }
 
-}  // namespace
+}  // namespace contact_set_test

@@ -21,8 +21,7 @@
 #include "tests/host/sets/same_bytes.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::hold_set_test {
 
 constexpr const char* rubber =
     "[sensor]\nkind = \"pad\"\ntactels = [4, 4]\npitch = 4.7\nlength = 18.8\nwidth = 18.8\nsides = \"free\"\n"
@@ -499,5 +498,4 @@ TEST_F(HoldNuisances, WithoutTiltGripsThatHoldGiveFalseAlarms) {
   EXPECT_GT(share_above(tilted, threshold), 0.5);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::hold_set_test

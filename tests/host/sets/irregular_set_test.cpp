@@ -10,8 +10,7 @@
 #include "tests/host/sets/same_bytes.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::irregular_set_test {
 
 const std::string sweep_text = R"(
 [sweep]
@@ -150,5 +149,4 @@ TEST_F(IrregularSet, RefusesFilesThatSayAnythingElse) {
   EXPECT_THROW(read_contact_set(folder_ / "crafted.h5"), ConfigError);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::irregular_set_test

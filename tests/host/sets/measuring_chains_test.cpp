@@ -8,8 +8,7 @@
 #include "nn/charge_amplifier.h"
 #include "nn/transducer_chain.h"
 
-namespace tactel {
-namespace {
+namespace tactel::measuring_chains_test {
 
 constexpr int samples = 300, channels = 4;
 
@@ -37,5 +36,4 @@ TEST(MeasuringChains, ConvertersAgree) {
   }
 }
 
-}  // namespace
-}  // namespace tactel
+}  // namespace tactel::measuring_chains_test

@@ -16,8 +16,7 @@
 #include "tests/host/sets/same_bytes.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_set_test {
 
 constexpr const char* sweep_text = R"(
 [sweep]
@@ -486,5 +485,4 @@ TEST_F(PadSet, TactelsHaveTheirPlaces) {
   EXPECT_EQ(columns.tactel_y, (std::vector<float>{-3, -3, -3, -3, 0, 0, 0, 0, 3, 3, 3, 3}));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_set_test

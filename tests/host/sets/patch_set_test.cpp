@@ -13,8 +13,7 @@
 #include "tests/host/sets/same_bytes.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::patch_set_test {
 
 constexpr const char* sweep_text = R"(
 [sweep]
@@ -299,5 +298,4 @@ TEST_F(OwnSensors, AreColumnsOfTheFile) {
   EXPECT_EQ(read.residual, set.residual);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::patch_set_test

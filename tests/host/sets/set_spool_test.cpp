@@ -12,8 +12,7 @@
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::set_spool_test {
 
 namespace fs = std::filesystem;
 
@@ -252,5 +251,4 @@ TEST_F(Spool, AProcessWithAnotherPlanIsAnError) {
   EXPECT_THROW(SetSpool(output, "another plan", columns(), chunk_total, SetSpool::Open::join, 1), ConfigError);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::set_spool_test

@@ -15,7 +15,7 @@
 #include "tests/host/support/run_tactel.h"
 #include "tests/thrown_message.h"
 
-namespace {
+namespace transducer_chain_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -294,4 +294,4 @@ TEST(TransducerTable, PlacesAndWidthsAreTheSensors) {
   }
 }
 
-}  // namespace
+}  // namespace transducer_chain_test

@@ -8,7 +8,7 @@
 #include "host/scenes/scene_file.h"
 #include "tests/host/device/test_device.h"
 
-namespace {
+namespace direct_problem_test {
 
 using namespace tactel;
 using namespace tactel::host;
@@ -54,4 +54,4 @@ TEST(DirectProblemNightly, EveryOpenParameterMovesTableOne) {
   }
 }
 
-}  // namespace
+}  // namespace direct_problem_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-namespace {
+namespace extremes_test {
 
 using namespace tactel;
 
@@ -84,4 +84,4 @@ TEST(LoopDrift, NaNIsNotPassedOver) {
   }
 }
 
-}  // namespace
+}  // namespace extremes_test

@@ -14,8 +14,7 @@
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::inverse_problem_test {
 
 using tactel::testing::executor;
 
@@ -201,5 +200,4 @@ TEST(InverseCommand, ReproduceWritesTableTwo) {
   EXPECT_LT(std::filesystem::file_size(report + "/index.html"), largest_page);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::inverse_problem_test

@@ -8,8 +8,7 @@
 #include "host/studies/tradeoff/tradeoff.h"
 #include "host/support/errors.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::pad_tradeoff_test {
 
 using testing::AllOf;
 using testing::ElementsAre;
@@ -71,5 +70,4 @@ TEST(PadTradeoffNightly, ErrorsFallWithTheCells) {
   for (const MeasuredModel& of : tradeoff.models) EXPECT_EQ(of.unsolved, 0);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::pad_tradeoff_test

@@ -12,8 +12,7 @@
 #include "nn/charge_amplifier.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::real_sensor_test {
 
 using tactel::testing::executor;
 
@@ -231,5 +230,4 @@ TEST(RealSensorStudy, StopsWhenToldTo) {
   EXPECT_FALSE(study_real_sensor(executor(), real_sensor_choice(), options));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::real_sensor_test

@@ -5,8 +5,7 @@
 
 #include "bench/unlike_scenes.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::scene_mix_test {
 
 TEST(SceneMix, ASmallerOneIsTheBeginningOfALargerOne) {
   const auto small = mixed_scenes(3, 8), large = mixed_scenes(3, 64);
@@ -34,5 +33,4 @@ TEST(SceneMix, ScenesUnlikeItAreValidAndDifferInThatRespect) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::scene_mix_test

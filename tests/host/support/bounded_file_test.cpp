@@ -14,8 +14,7 @@
 
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::bounded_file_test {
 
 using testing::HasSubstr;
 
@@ -118,5 +117,4 @@ TEST(BoundedFile, AFileThatGrowsIsRefusedOrReadAsItWas) {
   enough = true;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::bounded_file_test

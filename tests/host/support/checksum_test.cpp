@@ -5,8 +5,7 @@
 
 #include <string>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::checksum_test {
 
 // Published values (Wikipedia, "Fletcher's checksum", words with the low byte first), each half with its bytes turned
 // about: HDF5 takes the high byte first.
@@ -18,5 +17,4 @@ TEST(Checksum, FletchersArePublishedOnes) {
   EXPECT_EQ(fletcher32(std::string(3000, '\xff')), 0xffffffffu);  // multiples of 65535 stay, as they are not 0
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::checksum_test

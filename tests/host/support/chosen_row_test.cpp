@@ -5,8 +5,7 @@
 
 #include <map>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::chosen_row_test {
 
 TEST(ChosenRow, LiesInItsPart) {
   for (const std::uint64_t rows : {600u, 601u, 1199u, 27000u})
@@ -24,5 +23,4 @@ TEST(ChosenRow, KeepsNoStepOfAPeriod) {
   for (std::uint64_t step = 0; step < 9; ++step) EXPECT_NEAR(of_step[step], 600 / 9.0, 31) << step;
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::chosen_row_test

@@ -16,8 +16,7 @@
 #include "host/support/nearest_word.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::durable_file_test {
 
 TEST(DurableFile, ReplacesAndLeavesNothingElse) {
   const ScratchFolder folder;
@@ -178,5 +177,4 @@ TEST(ChildProcess, GivesBothStreamsAndTheExitCode) {
   EXPECT_EQ(run_child({"sh", "-c", "kill -TERM $$"}).exit_code, 128 + 15);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::durable_file_test

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tactel {
-namespace {
+namespace tactel::errors_test {
 
 TEST(Errors, ConfigErrorNamesFileKeyValueAndWhatIsAllowed) {
   const ConfigError error("scene.toml", "sensor.poisson", "0.5", "at least 0 and below 0.5");
@@ -36,5 +35,4 @@ TEST(Errors, DeviceErrorNamesCallCodeDeviceAndAdvice) {
                "clFinish: CL_OUT_OF_RESOURCES on device gpu; use less");
 }
 
-}  // namespace
-}  // namespace tactel
+}  // namespace tactel::errors_test

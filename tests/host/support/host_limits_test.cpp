@@ -7,8 +7,7 @@
 
 #include "tests/scratch.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::host_limits_test {
 
 namespace fs = std::filesystem;
 
@@ -31,5 +30,4 @@ TEST(HostThreads, ProcessorsAreShown) {
   EXPECT_FALSE(shows_processors(sys / ""));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::host_limits_test

@@ -10,8 +10,7 @@
 #include <csignal>
 #include <thread>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::interrupt_test {
 
 void wait_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
@@ -111,5 +110,4 @@ TEST(InterruptDeathTest, SignalsAreHeldUntilAStopIsRequested) {
       testing::KilledBySignal(SIGINT), "");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::interrupt_test

@@ -7,8 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::json_text_test {
 
 // A name in Latin-1 is no UTF-8. It must not end a training that has just learnt for hours.
 TEST(JsonText, BytesThatAreNoUtf8) {
@@ -24,5 +23,4 @@ TEST(JsonText, BytesThatAreNoUtf8) {
   EXPECT_EQ(read["names"][0], "\xef\xbf\xbd");
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::json_text_test

@@ -9,8 +9,7 @@
 #include <chrono>
 #include <stdexcept>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::made_ahead_test {
 
 using namespace std::chrono_literals;
 
@@ -61,5 +60,4 @@ TEST(MadeAhead, EndsWithItemsUntaken) {
   EXPECT_EQ(under_way, 0);
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::made_ahead_test

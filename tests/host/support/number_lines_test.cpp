@@ -9,8 +9,7 @@
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::number_lines_test {
 
 using ::testing::HasSubstr;
 using Rows = std::vector<std::vector<double>>;
@@ -80,5 +79,4 @@ TEST(NumberLines, NamesAndQuotes) {
   EXPECT_THAT(refused("1,2,3\n", point), HasSubstr("a.csv:1: fields = 3: must be 2: x and y"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::number_lines_test

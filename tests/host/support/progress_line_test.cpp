@@ -7,8 +7,7 @@
 #include <chrono>
 #include <thread>
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::progress_line_test {
 
 using testing::HasSubstr;
 using testing::MatchesRegex;
@@ -114,5 +113,4 @@ TEST(ProgressLine, RateLeavesOutWhatWasDoneBefore) {
   EXPECT_THAT(text, testing::Not(HasSubstr(" k things/s")));  // some 100, not 9900
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::progress_line_test

@@ -11,8 +11,7 @@
 
 #include "host/support/stop_scope.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::side_by_side_test {
 
 TEST(SideBySide, CallsEachNumberOnce) {
   for (const int threads : {0, 1, 3, 100}) {
@@ -45,5 +44,4 @@ TEST(SideBySide, StopsWhereTheCallerIsToStop) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::side_by_side_test

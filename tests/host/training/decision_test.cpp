@@ -9,8 +9,7 @@
 
 #include "host/support/errors.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::decision_test {
 
 /// Drags at 0.8 with a release of 0.05, worked by hand:
 ///   a  slides at 1.0 mm; alarm at 0.6 mm, S 0.7: detected, lead 0.4 mm of 1.0
@@ -31,8 +30,6 @@ std::vector<Drag> worked_drags() {
           {.rows = {{0.0, 0.4, 0.95}, {0.1, 0.4, 0.95}}},
           {.rows = {{0.0, 0.9, std::nan("")}}}};
 }
-
-}  // namespace
 
 TEST(AlarmCounting, FollowsDragsWorkedByHand) {
   const AlarmCount count = count_alarms(worked_drags(), 0.8, {.rate = 100});
@@ -220,4 +217,4 @@ TEST(BoundReport, CountsByClass) {
   EXPECT_EQ(touching_name(17), "17 and more");
 }
 
-}  // namespace tactel::host
+}  // namespace tactel::host::decision_test

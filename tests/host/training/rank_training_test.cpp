@@ -10,8 +10,7 @@
 #include "tests/host/sets/network_files.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::rank_training_test {
 
 using tactel::testing::networks_in;
 using tactel::testing::PaperSetFiles;
@@ -76,5 +75,4 @@ TEST_F(RankTraining, GoesOnAfterAKill) {
   EXPECT_EQ(networks_in(folder_ / "three"), networks_in(folder_ / "one"));
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::rank_training_test

@@ -16,8 +16,7 @@
 #include "tests/host/support/run_tactel.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::host {
-namespace {
+namespace tactel::host::stream_training_test {
 
 using tactel::testing::PaperSetFiles;
 using ::testing::HasSubstr;
@@ -334,5 +333,4 @@ TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
   }
 }
 
-}  // namespace
-}  // namespace tactel::host
+}  // namespace tactel::host::stream_training_test

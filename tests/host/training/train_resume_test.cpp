@@ -17,9 +17,9 @@
 #include "test_paths.h"
 #include "tests/host/sets/network_files.h"
 
-extern char** environ;
+namespace train_resume_test {
 
-namespace {
+extern char** environ;
 
 using namespace tactel;
 using namespace tactel::host;
@@ -140,4 +140,4 @@ INSTANTIATE_TEST_SUITE_P(
                     "0.99", "--validation", "RECALL", "--patience", "1400", "--epochs", "1500"}}),
     [](const auto& info) { return info.param.name; });
 
-}  // namespace
+}  // namespace train_resume_test
