@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "fem/numbers/value_error.h"
+
 namespace tactel::fem {
 
 std::string number_text(double value) {
@@ -22,6 +24,10 @@ std::string number_text(const double* values, std::size_t count, std::size_t mos
   std::string text = "[";
   for (std::size_t i = 0; i < std::min(count, most); ++i) text += (i ? ", " : "") + number_text(values[i]);
   return text + (count > most ? ", ...]" : "]");
+}
+
+void require(bool good, std::string_view key, double value, const char* allowed) {
+  if (!good) throw ValueError(std::string(key), number_text(value), allowed);
 }
 
 }  // namespace tactel::fem

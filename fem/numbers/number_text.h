@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
+#include <string_view>
 
 namespace tactel::fem {
 
@@ -10,5 +11,8 @@ std::string number_text(double value);
 
 /// Returns "[0.1, 0.2]": at most `most` numbers, then "...".
 std::string number_text(const double* values, std::size_t count, std::size_t most = 5);
+
+/// Throws ValueError where a number is not good.
+void require(bool good, std::string_view key, double value, const char* allowed);
 
 }  // namespace tactel::fem

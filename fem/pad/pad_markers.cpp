@@ -72,10 +72,6 @@ Eigen::Matrix3d by_cell(double nu, double d, double hx, double hy, double x, dou
   return c * sum;
 }
 
-void check(bool good, const char* key, double value, const char* allowed) {
-  if (!good) throw ValueError(key, number_text(value), allowed);
-}
-
 }  // namespace
 
 LayerAtDepth::LayerAtDepth(double poisson, double depth, double farthest, const std::function<void()>& between)
@@ -155,17 +151,17 @@ void validate(const Markers& markers, const PadSensor& sensor) {
   if (has_free_sides(sensor))
     throw ValueError("markers", "of a pad with free sides", "left out; or sensor.sides = \"held\"");
   if (!sensor.layers.empty()) throw ValueError("markers", "beside sensor.layers", "left out: they lie in one layer");
-  check(markers.depth >= 0 && markers.depth < sensor.thickness, "markers.depth", markers.depth,
-        "mm below the surface, 0 or more and less than sensor.thickness");
+  require(markers.depth >= 0 && markers.depth < sensor.thickness, "markers.depth", markers.depth,
+          "mm below the surface, 0 or more and less than sensor.thickness");
   for (const int count : markers.counts)
-    check(count >= 1 && count <= 1000, "markers.counts", count, "numbers of markers along x and y, 1 or more each");
+    require(count >= 1 && count <= 1000, "markers.counts", count, "numbers of markers along x and y, 1 or more each");
   for (const double p : markers.pitch) check_length("markers.pitch", p);
   const std::size_t count = marker_count(markers);
-  check(count <= most_markers, markers.places.empty() ? "markers.counts" : "markers.places", static_cast<double>(count),
-        "4096 markers at most");
+  require(count <= most_markers, markers.places.empty() ? "markers.counts" : "markers.places",
+          static_cast<double>(count), "4096 markers at most");
   for (const auto& [x, y] : markers.places) {
-    check(std::abs(x) <= 1e6, "markers.places", x, "places in mm, at most 1e6 from the middle");
-    check(std::abs(y) <= 1e6, "markers.places", y, "places in mm, at most 1e6 from the middle");
+    require(std::abs(x) <= 1e6, "markers.places", x, "places in mm, at most 1e6 from the middle");
+    require(std::abs(y) <= 1e6, "markers.places", y, "places in mm, at most 1e6 from the middle");
   }
 }
 
@@ -173,7 +169,7 @@ void validate(const Camera& camera) {
   check_length("camera.distance", camera.distance);
   check_length("camera.pixels_per_mm", camera.pixels_per_mm, "a number between 1e-6 and 1e6");
   for (const double pixel : camera.centre)
-    check(std::abs(pixel) <= 1e6, "camera.centre", pixel, "two pixels, -1e6 to 1e6");
+    require(std::abs(pixel) <= 1e6, "camera.centre", pixel, "two pixels, -1e6 to 1e6");
 }
 
 Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells,

@@ -17,34 +17,30 @@ namespace {
 constexpr const char *allowed_young = "a Young's modulus in MPa, 1e-9 to 1e12",
                      *allowed_poisson = "a Poisson's ratio, 0 <= poisson <= 0.5";
 
-void check(bool good, const std::string& key, double value, const char* allowed) {
-  if (!good) throw ValueError(key, number_text(value), allowed);
-}
-
 }  // namespace
 
 const char* name(Sides sides) { return sides == Sides::free ? "free" : "held"; }
 
 void check_length(const char* member, double value, const char* allowed) {
-  check(value >= 1e-6 && value <= 1e6, member, value, allowed);
+  require(value >= 1e-6 && value <= 1e6, member, value, allowed);
 }
 
 namespace {
 
 void check_relaxation(const std::vector<std::array<double, 2>>& terms) {
   const char* key = "sensor.relaxation";
-  check(terms.size() <= 4, key, static_cast<double>(terms.size()), "4 pairs [share, seconds] at most");
+  require(terms.size() <= 4, key, static_cast<double>(terms.size()), "4 pairs [share, seconds] at most");
   double sum = 0;
   for (std::size_t k = 0; k < terms.size(); ++k) {
     const auto [share, time] = terms[k];
-    check(share > 0 && share < 1, key, share, "shares of E above 0 and below 1");
-    check(time >= 1e-9 && time <= 1e9, key, time, "times in s, 1e-9 to 1e9");
+    require(share > 0 && share < 1, key, share, "shares of E above 0 and below 1");
+    require(time >= 1e-9 && time <= 1e9, key, time, "times in s, 1e-9 to 1e9");
     for (std::size_t other = 0; other < k; ++other)
-      check(std::abs(time - terms[other][1]) > 1e-6 * time, key, time,
-            "times that differ; add the shares of equal ones");
+      require(std::abs(time - terms[other][1]) > 1e-6 * time, key, time,
+              "times that differ; add the shares of equal ones");
     sum += share;
   }
-  check(sum < 0.999, key, sum, "shares of E whose sum is below 0.999");
+  require(sum < 0.999, key, sum, "shares of E whose sum is below 0.999");
 }
 
 }  // namespace
@@ -53,37 +49,37 @@ void validate(const PadSensor& sensor) {
   check_layers(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
   check_relaxation(sensor.relaxation);
   check_length("sensor.thickness", sensor.thickness);
-  check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young, allowed_young);
-  check(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson, allowed_poisson);
+  require(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young, allowed_young);
+  require(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson, allowed_poisson);
   for (const int count : sensor.tactels)
-    check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
+    require(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
   for (const double p : sensor.pitch) check_length("sensor.pitch", p);
-  check(sensor.tactel_size >= 0 && sensor.tactel_size <= std::min(sensor.pitch[0], sensor.pitch[1]),
-        "sensor.tactel_size", sensor.tactel_size, "a side in mm, 0 (a point) to the pitch");
-  check(sensor.axes == 1 || sensor.axes == 3, "sensor.axes", sensor.axes, "3, or 1 (normal stress only)");
+  require(sensor.tactel_size >= 0 && sensor.tactel_size <= std::min(sensor.pitch[0], sensor.pitch[1]),
+          "sensor.tactel_size", sensor.tactel_size, "a side in mm, 0 (a point) to the pitch");
+  require(sensor.axes == 1 || sensor.axes == 3, "sensor.axes", sensor.axes, "3, or 1 (normal stress only)");
   const auto check_side = [&](const char* member, const std::optional<double>& side, int axis) {
     if (!side) return;
     check_length(member, *side);
     const double array = std::round(1e6 * ((sensor.tactels[axis] - 1) * sensor.pitch[axis] + sensor.tactel_size)) / 1e6;
-    check(*side >= array, member, *side,
-          ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
+    require(*side >= array, member, *side,
+            ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
   };
   check_side("sensor.length", sensor.length, 0);
   check_side("sensor.width", sensor.width, 1);
   const bool free = sensor.sides == Sides::free && sensor.length && sensor.width;
   if (const auto radius = sensor.curvature_radius) {
     check_length("sensor.curvature_radius", *radius);
-    check(*radius >= 5 * sensor.thickness, "sensor.curvature_radius", *radius,
-          "5 thicknesses or more: a flat layer, which stands for the curved one, is off by a seventh there");
-    check(!free, "sensor.curvature_radius", *radius, "left out where sides are free; or sensor.sides = \"held\"");
+    require(*radius >= 5 * sensor.thickness, "sensor.curvature_radius", *radius,
+            "5 thicknesses or more: a flat layer, which stands for the curved one, is off by a seventh there");
+    require(!free, "sensor.curvature_radius", *radius, "left out where sides are free; or sensor.sides = \"held\"");
   }
   if (free && !sensor.layers.empty())
     throw ValueError("sensor.layers", std::to_string(sensor.layers.size()) + " layers",
                      "left out where sides are free; or sensor.sides = \"held\"");
   constexpr double tallest = 4;
   if (free)
-    check(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,
-          "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
+    require(sensor.thickness <= tallest * std::min(*sensor.length, *sensor.width), "sensor.thickness", sensor.thickness,
+            "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
 }
 
 void refuse_creep(const PadSensor& sensor) {
@@ -100,15 +96,15 @@ double fall_of_skin(const PadSensor& sensor, double x, double y) {
 void PadIndenter::validate() const {
   check_shape(shape);
   for (const double p : position)
-    check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
-  check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");
-  check(tilt == 0 || (tilts(shape) && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
-        "degrees, 0 to 45, and 0 but for punch and box");
-  check(std::abs(tilt_direction) <= 360, "indenter.tilt_direction", tilt_direction, "degrees, -360 to 360");
+    require(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
+  require(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");
+  require(tilt == 0 || (tilts(shape) && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
+          "degrees, 0 to 45, and 0 but for punch and box");
+  require(std::abs(tilt_direction) <= 360, "indenter.tilt_direction", tilt_direction, "degrees, -360 to 360");
   if (!young) return;
-  check(*young >= 1e-9 && *young <= 1e12, "indenter.young", *young,
-        "a Young's modulus in MPa, 1e-9 to 1e12, or left out for a rigid object");
-  check(poisson >= 0 && poisson <= 0.5, "indenter.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
+  require(*young >= 1e-9 && *young <= 1e12, "indenter.young", *young,
+          "a Young's modulus in MPa, 1e-9 to 1e12, or left out for a rigid object");
+  require(poisson >= 0 && poisson <= 0.5, "indenter.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
 }
 
 void PadLoad::validate() const {
@@ -117,39 +113,40 @@ void PadLoad::validate() const {
   if (normal.empty()) throw ValueError("load.indentation", "[]", "at least one depth in mm (or give normal_force)");
   for (const double value : normal) {
     if (force)
-      check(value >= 0 && value <= 1e9, "load.normal_force", value, "a force in N, 0 to 1e9");
+      require(value >= 0 && value <= 1e9, "load.normal_force", value, "a force in N, 0 to 1e9");
     else
-      check(value >= 0 && value <= 1e6, "load.indentation", value, "a depth in mm, 0 to 1e6");
+      require(value >= 0 && value <= 1e6, "load.indentation", value, "a depth in mm, 0 to 1e6");
   }
-  check(indentation_steps >= 1 && indentation_steps <= 1000, "load.indentation_steps", indentation_steps, "1 to 1000");
+  require(indentation_steps >= 1 && indentation_steps <= 1000, "load.indentation_steps", indentation_steps,
+          "1 to 1000");
   if (normal.size() * indentation_steps > most_pad_targets)
     throw ValueError(indentation_steps > 1 ? "load.indentation_steps"
                      : force               ? "load.normal_force"
                                            : "load.indentation",
                      std::to_string(indentation_steps > 1 ? indentation_steps : static_cast<int>(normal.size())),
                      "so few that the pressing takes 1000 increments at most");
-  check(drags.size() <= 1000, "load.tangential", static_cast<double>(drags.size()), "at most 1000 positions");
-  check(moves.size() <= 1000, "load.moves", static_cast<double>(moves.size()), "at most 1000 moves");
+  require(drags.size() <= 1000, "load.tangential", static_cast<double>(drags.size()), "at most 1000 positions");
+  require(moves.size() <= 1000, "load.moves", static_cast<double>(moves.size()), "at most 1000 moves");
   if (!moves.empty() && !drags.empty())
     throw ValueError("load.moves", std::to_string(moves.size()) + " moves", "left out where drags are given");
   for (const PadTarget& move : moves) {
-    check(move.normal >= 0 && move.normal <= 1e6, "load.moves", move.normal, "a depth or force, 0 to 1e6");
-    check(std::abs(move.x) <= 1e6 && std::abs(move.y) <= 1e6, "load.moves", std::hypot(move.x, move.y),
-          "places in mm, at most 1e6 away");
-    check(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", degrees(move.twist),
-          "twists in degrees, -360 to 360");
+    require(move.normal >= 0 && move.normal <= 1e6, "load.moves", move.normal, "a depth or force, 0 to 1e6");
+    require(std::abs(move.x) <= 1e6 && std::abs(move.y) <= 1e6, "load.moves", std::hypot(move.x, move.y),
+            "places in mm, at most 1e6 away");
+    require(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", degrees(move.twist),
+            "twists in degrees, -360 to 360");
   }
   const std::size_t targets = pad_targets(*this).size();
   if (!times.empty() && times.size() != targets)
     throw ValueError("load.times", std::to_string(times.size()) + " times",
                      "as many as the load has steps, " + std::to_string(targets));
   for (std::size_t k = 0; k < times.size(); ++k)
-    check(times[k] >= (k > 0 ? times[k - 1] : 0) && times[k] <= 1e12, "load.times", times[k],
-          "times in s, 0 or more, none before the last");
+    require(times[k] >= (k > 0 ? times[k - 1] : 0) && times[k] <= 1e12, "load.times", times[k],
+            "times in s, 0 or more, none before the last");
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
-      check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
-    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", clean_degrees(drag[2]), "degrees, -360 to 360");
+      require(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
+    require(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", clean_degrees(drag[2]), "degrees, -360 to 360");
   }
 }
 
@@ -158,12 +155,12 @@ namespace {
 void check_map(const FrictionMap& map) {
   const char *key = "contact.friction_map", *allowed = "1 to 64 rows, each of as many numbers, 1 to 64";
   const auto check_count = [&](std::size_t count, bool good) {
-    check(good && count >= 1 && count <= 64, key, static_cast<double>(count), allowed);
+    require(good && count >= 1 && count <= 64, key, static_cast<double>(count), allowed);
   };
   check_count(map.rows.size(), true);
   for (const std::vector<double>& row : map.rows) {
     check_count(row.size(), row.size() == map.rows[0].size());
-    for (const double mu : row) check(mu >= 0 && mu <= 100, key, mu, "coefficients of friction, 0 to 100");
+    for (const double mu : row) require(mu >= 0 && mu <= 100, key, mu, "coefficients of friction, 0 to 100");
   }
   check_length("contact.friction_pitch", map.pitch);
 }
@@ -208,7 +205,7 @@ void PadScene::validate() const {
   indenter.validate();
   load.validate();
   if (friction_map) check_map(*friction_map);
-  check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
+  require(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
   if (!load.times.empty() && sensor.relaxation.empty())
     throw ValueError("load.times", std::to_string(load.times.size()) + " times",
                      "left out, or given with sensor.relaxation: elastic rubber has no time");

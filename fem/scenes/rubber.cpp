@@ -12,10 +12,6 @@
 namespace tactel::fem {
 namespace {
 
-void check(bool good, const std::string& key, double value, const char* allowed) {
-  if (!good) throw ValueError(key, number_text(value), allowed);
-}
-
 double sum_of(const std::vector<RubberLayer>& layers) {
   double sum = 0;
   for (const RubberLayer& layer : layers) sum += layer.thickness;
@@ -42,21 +38,21 @@ void check_layers(const std::vector<RubberLayer>& layers, double thickness, doub
   if (layers.empty()) return;
   constexpr std::size_t most_layers = 8;
   constexpr double thinnest = 0.002, largest_ratio = 1e4;
-  check(layers.size() <= most_layers, "sensor.layers", static_cast<double>(layers.size()), "8 layers at most");
+  require(layers.size() <= most_layers, "sensor.layers", static_cast<double>(layers.size()), "8 layers at most");
   const double sum = sum_of(layers), softest = std::ranges::min(layers, {}, &RubberLayer::young).young;
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const auto& [t, E, nu] = layers[k];
     const std::string place = "sensor.layers[" + std::to_string(k) + "].";
-    check(t >= 1e-6 && t <= 1e6, place + "thickness", t, "a length in mm, between 1e-6 and 1e6");
-    check(t >= thinnest * sum, place + "thickness", t, "0.002 of the sum of all or more");
-    check(E >= 1e-9 && E <= 1e12, place + "young", E, "a Young's modulus in MPa, 1e-9 to 1e12");
-    check(E <= largest_ratio * softest, place + "young", E, "1e4 times that of the softest layer or less");
-    check(nu >= 0 && nu <= 0.5, place + "poisson", nu, "a Poisson's ratio, 0 <= poisson <= 0.5");
+    require(t >= 1e-6 && t <= 1e6, place + "thickness", t, "a length in mm, between 1e-6 and 1e6");
+    require(t >= thinnest * sum, place + "thickness", t, "0.002 of the sum of all or more");
+    require(E >= 1e-9 && E <= 1e12, place + "young", E, "a Young's modulus in MPa, 1e-9 to 1e12");
+    require(E <= largest_ratio * softest, place + "young", E, "1e4 times that of the softest layer or less");
+    require(nu >= 0 && nu <= 0.5, place + "poisson", nu, "a Poisson's ratio, 0 <= poisson <= 0.5");
   }
   for (const auto& [member, own, given] :
        {std::tuple{"sensor.thickness", thickness, sum}, std::tuple{"sensor.young", young, layers.back().young},
         std::tuple{"sensor.poisson", poisson, layers.back().poisson}})
-    check(own == given, member, own, "left out beside sensor.layers");
+    require(own == given, member, own, "left out beside sensor.layers");
 }
 
 double shear_length(const std::vector<RubberLayer>& layers) {

@@ -13,12 +13,8 @@ namespace {
 
 constexpr double most_load_steps = 100000;  // of a path: 5 GB of answers
 
-void check(bool good, const char* key, double value, const char* allowed) {
-  if (!good) throw ValueError(key, number_text(value), allowed);
-}
-
 void check_targets(const std::vector<double>& targets, const char* key, const char* allowed) {
-  for (double target : targets) check(std::isfinite(target) && target >= 0, key, target, allowed);
+  for (double target : targets) require(std::isfinite(target) && target >= 0, key, target, allowed);
 }
 
 void check_normal(const Load& load) {
@@ -28,8 +24,8 @@ void check_normal(const Load& load) {
     if (load.indentation.empty())
       throw ValueError("load.indentation", "[]", "at least one depth in mm (or give normal_force)");
   }
-  check(load.indentation_steps >= 1 && load.indentation_steps <= most_indentation_steps, "load.indentation_steps",
-        load.indentation_steps, "a number of equal increments, 1 to 1000");
+  require(load.indentation_steps >= 1 && load.indentation_steps <= most_indentation_steps, "load.indentation_steps",
+          load.indentation_steps, "a number of equal increments, 1 to 1000");
 }
 
 void check_thickness(const Load& load, double thickness) {
@@ -43,17 +39,17 @@ void check_thickness(const Load& load, double thickness) {
 }
 
 void check_tangential(const Load& load) {
-  for (double x : load.tangential) check(std::isfinite(x), "load.tangential", x, "finite positions in mm");
-  check(std::isfinite(load.tangential_step), "load.tangential_step", load.tangential_step,
-        "a finite step in mm, 0 for none");
+  for (double x : load.tangential) require(std::isfinite(x), "load.tangential", x, "finite positions in mm");
+  require(std::isfinite(load.tangential_step), "load.tangential_step", load.tangential_step,
+          "a finite step in mm, 0 for none");
   if (!load.tangential.empty())
-    check(load.tangential_step == 0 && !load.tangential_steps, "load.tangential_step", load.tangential_step,
-          "left out where load.tangential lists the positions");
+    require(load.tangential_step == 0 && !load.tangential_steps, "load.tangential_step", load.tangential_step,
+            "left out where load.tangential lists the positions");
   if (!load.tangential_steps) return;
-  check(*load.tangential_steps >= 0 && *load.tangential_steps <= most_tangential_steps, "load.tangential_steps",
-        *load.tangential_steps, "a number of steps, 0 to 1000");
-  check(load.tangential_step != 0 || *load.tangential_steps == 0, "load.tangential_step", load.tangential_step,
-        "other than 0 where load.tangential_steps is above 0");
+  require(*load.tangential_steps >= 0 && *load.tangential_steps <= most_tangential_steps, "load.tangential_steps",
+          *load.tangential_steps, "a number of steps, 0 to 1000");
+  require(load.tangential_step != 0 || *load.tangential_steps == 0, "load.tangential_step", load.tangential_step,
+          "other than 0 where load.tangential_steps is above 0");
 }
 
 void check_moves(const Load& load) {
@@ -63,9 +59,9 @@ void check_moves(const Load& load) {
   const bool alone = load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps && !load.angle;
   if (!alone) throw ValueError("load.moves", "given with a drag or an angle", "given alone");
   for (const LoadMove& move : load.moves) {
-    check(std::isfinite(move.normal) && move.normal >= 0, "load.moves", move.normal,
-          "depths in mm or forces in N/mm: finite, not below 0");
-    check(std::isfinite(move.tangential), "load.moves", move.tangential, "finite positions in mm");
+    require(std::isfinite(move.normal) && move.normal >= 0, "load.moves", move.normal,
+            "depths in mm or forces in N/mm: finite, not below 0");
+    require(std::isfinite(move.tangential), "load.moves", move.tangential, "finite positions in mm");
   }
 }
 
@@ -82,9 +78,9 @@ void check_length(const Load& load) {
 
 void check_angle(const Load& load, double friction) {
   if (!load.angle) return;
-  check(!load.normal_force.empty(), "load.angle", *load.angle, "given together with load.normal_force");
-  check(load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps, "load.angle", *load.angle,
-        "given without load.tangential and load.tangential_step: the angle sets the tangential force");
+  require(!load.normal_force.empty(), "load.angle", *load.angle, "given together with load.normal_force");
+  require(load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps, "load.angle", *load.angle,
+          "given without load.tangential and load.tangential_step: the angle sets the tangential force");
   const double limit = degrees(std::atan(friction));
   if (std::abs(*load.angle) < 90 && std::tan(std::abs(radians(*load.angle))) < friction) return;
   throw ValueError("load.angle", number_text(*load.angle),
@@ -156,7 +152,7 @@ void Scene::validate() const {
   fem::validate(sensor);
   if (model == SurfaceModel::mesh) require_compressible(sensor);
   fem::validate(indenter);
-  check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
+  require(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);
   check_thickness(load, sensor.thickness);
   check_tangential(load);

@@ -81,7 +81,8 @@ TEST_P(OverTheEnd, ThePlannerTakesAnExactRung) {
   EXPECT_LE(std::abs(*outcome.solution.steps[of.step].slip_index - of.S), outcome.plan->estimate);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, OverTheEnd, testing::Values(profile, rounded_flat),
-                         [](const auto& info) { return info.param().name; });
+const auto name_of = [](const auto& info) { return info.param().name; };
+INSTANTIATE_TEST_SUITE_P(Of, OverTheEnd, testing::Values(profile), name_of);
+INSTANTIATE_TEST_SUITE_P(Nightly, OverTheEnd, testing::Values(rounded_flat), name_of);
 
 }  // namespace tactel::host::over_end_test

@@ -33,12 +33,15 @@ TEST(Accuracy, ThinAndLongSensorsAreServed) {
 }
 
 // 321 columns are 1201 on the thin sensor, and 2881 on the long one, more than a mesh may have.
-TEST(Accuracy, ARungBeyondTheLargestMeshIsCoarserAndSaysSo) {
+TEST(AccuracyNightly, ARungBelowTheLargestMeshIsTaken) {
   const ChildResult thin = run_tactel({"solve", scene("thin_sensor"), "--rung", "mesh-321"});
   EXPECT_EQ(thin.exit_code, 0) << thin.err;
   EXPECT_THAT(thin.err, Not(HasSubstr("warning: rung")));
   EXPECT_THAT(thin.err, HasSubstr("warning: the error of this answer is not estimated: its mesh has more than 81"));
   EXPECT_THAT(thin.out, HasSubstr("mesh 1201 x "));
+}
+
+TEST(Accuracy, ARungBeyondTheLargestMeshIsCoarserAndSaysSo) {
   const ChildResult wide = run_tactel({"solve", scene("long_sensor"), "--rung", "mesh-321"});
   EXPECT_EQ(wide.exit_code, 0) << wide.err;
   EXPECT_THAT(wide.err, HasSubstr("warning: rung mesh-321 requires more than the 2001 columns that a mesh may have"));

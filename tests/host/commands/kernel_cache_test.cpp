@@ -82,10 +82,10 @@ TEST_F(SolveWithCacheSlow, NobodyWaitsForAStoppedProgram) {
 TEST_F(SolveWithCacheSlow, LocksThatDoNotReachOtherHosts) {
   const ChildResult result = in_shell(folder_, R"(
     export LD_PRELOAD=)" TACTEL_NO_LOCKS R"(
-    for k in 1 2 3; do $solve > answer$k 2> log$k & all="$all $!"; sleep 0.4; done
+    for k in 1 2; do $solve > answer$k 2> log$k & all="$all $!"; sleep 0.4; done
     for process in $all; do wait $process || exit 1$process; done
     $solve > last || exit 10
-    for k in 1 2 3; do cmp answer$k last || exit 11; done)");
+    for k in 1 2; do cmp answer$k last || exit 11; done)");
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
   EXPECT_EQ(kept_and_left(folder_ / "cache/pocl"), std::pair(1, 0));
 }
@@ -104,7 +104,7 @@ TEST_F(SolveWithCacheSlow, TwoProgramsNeedTheSameKernels) {
 // What a kill in the midst of it leaves costs the next program a compilation.
 TEST_F(SolveWithCacheSlow, KilledWhileItCompiles) {
   const ChildResult result = in_shell(folder_, R"(
-    for wait in 0.1 0.4 0.8 1.2; do
+    for wait in 0.1 0.8; do
       rm -rf cache
       $solve > first 2> log & compiling=$!
       until pgrep -P $compiling > children; do sleep 0.01; kill -0 $compiling || break; done; sleep $wait
@@ -177,8 +177,7 @@ TEST_F(SolveWithCache, ANetworkOfAKernelThatWritesNothingIsRefused) {
       in_shell(folder_, TACTEL_PROGRAM " generate small.toml --output set.h5 && " + train + "trained");
   ASSERT_EQ(made.exit_code, 0) << made.err;
   for (const std::string& command :
-       {train + "online", train + "batch --schedule batch", train + "large --schedule batch --batch 2000",
-        std::string(TACTEL_PROGRAM " recall trained set.h5")})
+       {train + "online", train + "batch --schedule batch", std::string(TACTEL_PROGRAM " recall trained set.h5")})
     EXPECT_TRUE(is_refused(in_shell(folder_, idle + command), {"left answers unwritten"}, 3)) << command;
 }
 

@@ -309,6 +309,7 @@ TEST_F(Monitor, ADeviceWritesTheLinesOfHostCode) {
     EXPECT_EQ(host[17]["slip_index"].is_null(), sensor == "line") << "NaN is in the second pad alone";
     EXPECT_EQ(host[16].contains("pads"), sensor != "line");
     for (const std::string device : {"basic", "pthread"}) {
+      if (device == "pthread" && sensor != "pad") continue;
       const std::vector<nlohmann::json> kernel = lines_on(device);
       ASSERT_EQ(kernel.size(), host.size());
       for (std::size_t i = 0; i < host.size(); ++i) EXPECT_EQ(kernel[i], host[i]) << sensor << " on " << device;

@@ -83,8 +83,8 @@ TEST_P(EveryShapeOnMeshA, MatchesReference) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Poisson, EveryShape, ::testing::ValuesIn(all_nu));
-INSTANTIATE_TEST_SUITE_P(Poisson, EveryShapeOnMeshA, ::testing::Values(0.3, 0.4999));
-INSTANTIATE_TEST_SUITE_P(Nightly, EveryShapeOnMeshA, ::testing::Values(0, 0.45, 0.49));
+INSTANTIATE_TEST_SUITE_P(Poisson, EveryShapeOnMeshA, ::testing::Values(0.4999));
+INSTANTIATE_TEST_SUITE_P(Nightly, EveryShapeOnMeshA, ::testing::Values(0, 0.3, 0.45, 0.49));
 
 TEST(GapSweep, EveryElementMatchesReference) {
   for (auto element : {fem::Element::q4, fem::Element::q4i, fem::Element::q8})

@@ -119,13 +119,13 @@ void expect_twin(int elements, double poisson, double tolerance) {
 TEST_P(Twin, Fp64MatchesIt) {
   for (const double poisson : {0.3, 0.499}) expect_twin<double>(GetParam(), poisson, agree_fp64);
 }
-INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8, 12));
-INSTANTIATE_TEST_SUITE_P(Nightly, Twin, ::testing::Values(16, 24));
+INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8));
+INSTANTIATE_TEST_SUITE_P(Nightly, Twin, ::testing::Values(12, 16, 24));
 
 class TwinInFp32 : public Twin {};
 TEST_P(TwinInFp32, MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); }
-INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(8, 12, 24));
-INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(16));
+INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(8, 24));
+INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(12, 16));
 
 /// Layers change only tables. Those of the kernel have equal cells, the twin's are graded: cubics leave 1e-6 of either.
 template <class Real>
@@ -157,7 +157,6 @@ void expect_layered_twin(std::vector<RubberLayer> layers, double tolerance) {
 }
 
 TEST(PatchContactSlow, LayersMatchTheTwin) {
-  expect_layered_twin<double>({{1.3875, 1, 0.48}, {0.1125, 10, 0.48}}, 1e-4);
   expect_layered_twin<double>({{0.2, 0.1, 0.45}, {1.294, 2, 0.3}, {0.006, 1, 0.45}}, 1e-4);
   expect_layered_twin<float>({{1.2, 0.2, 0.3}, {0.3, 1, 0.48}}, 1e-4);
 }

@@ -119,14 +119,15 @@ TEST_P(FeaturesOnDevice, FileMeansTheSameToAnotherRuntime) {
   for (int row = 0; row < 203; ++row) EXPECT_NEAR(s(row), own.slip_index(row), 1e-5) << row;
 }
 
+const auto name_of = [](const auto& info) {
+  std::string name = info.param.name;
+  std::ranges::replace(name, ' ', '_');
+  return name;
+};
 INSTANTIATE_TEST_SUITE_P(All, FeaturesOnDevice,
-                         ::testing::Values(line, square, oblong, history, rest, rest_of_line, rest_and_history,
-                                           friction_by_set, friction_by_rest, friction),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
-                           std::ranges::replace(name, ' ', '_');
-                           return name;
-                         });
+                         ::testing::Values(line, square, oblong, rest_and_history, friction_by_set), name_of);
+INSTANTIATE_TEST_SUITE_P(Nightly, FeaturesOnDevice,
+                         ::testing::Values(history, rest, rest_of_line, friction_by_rest, friction), name_of);
 
 // Contacts that are images of those learnt: a network with features answers as before, one without does not.
 TEST(FeaturesTrainingOnDevice, NetworksAnswerImagesAsTheyAnswerTheFrames) {

@@ -57,14 +57,14 @@ TEST_P(ForwardTopology, MatchesReference) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Topologies, ForwardTopology,
-                         ::testing::Values("1", "5", "16-16-8-1", "2-1-1", "16-16-8-3", "18-33-3",
-                                           "30-31-33-3_leaky-relu", "18-33-1_leaky-relu"));
-INSTANTIATE_TEST_SUITE_P(Nightly, ForwardTopology, ::testing::Values("30-31-33-1"));
+                         ::testing::Values("1", "16-16-8-1", "2-1-1", "16-16-8-3", "18-33-1_leaky-relu"));
+INSTANTIATE_TEST_SUITE_P(Nightly, ForwardTopology,
+                         ::testing::Values("5", "18-33-3", "30-31-33-1", "30-31-33-3_leaky-relu"));
 
 // The heads of a bound: the reference's quantiles to the tolerances above, a frame alone as in a batch bit for bit, and
 // S that of the network with its first head alone, bit for bit.
 TEST(ForwardHeads, MatchTheReferenceAndTheNetworkOfOneOutput) {
-  for (const char* name : {"16-16-8-3", "30-33-3", "16-16-8-3_leaky-relu"}) {
+  for (const char* name : {"16-16-8-3", "16-16-8-3_leaky-relu"}) {
     const nn::Topology topology = nn::Topology::parse(name);
     const nn::RowMatrix<float> frames = bumps(203, topology.inputs(), 4).frames;
     const auto fp64 = some_networks<double>(topology, 2);

@@ -90,7 +90,8 @@ TEST_P(TrainOnlineTest, Fp32WeightsAfter100CyclesMatchReferenceToItsPrecision) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Topologies, TrainOnlineTest, ::testing::Values("1", "6", "16-16-8-1", "2-1-1", "14-15-17-1"));
+INSTANTIATE_TEST_SUITE_P(Topologies, TrainOnlineTest, ::testing::Values("1", "16-16-8-1", "2-1-1"));
+INSTANTIATE_TEST_SUITE_P(Nightly, TrainOnlineTest, ::testing::Values("6", "14-15-17-1"));
 
 // Sets that end inside a block of patterns, at its edge, or before it; learning rates and orders that are not the
 // defaults.
