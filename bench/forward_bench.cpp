@@ -27,8 +27,7 @@ struct Case {
   nn::RowMatrix<float> frames;
   Case(int network, int batch) : topology(nn::Topology::paper(network)) {
     // With a sensor's noise: tails of bumps would be denormal numbers, at which the peers would crawl.
-    const nn::RowMatrix<float> some =
-        nn::with_noise(tactel::testing::bumps(1024, topology.inputs(), 5), 1e-3, 1).frames;
+    const nn::RowMatrix<float> some = nn::with_noise(tactel::tests::bumps(1024, topology.inputs(), 5), 1e-3, 1).frames;
     frames = some.replicate((batch + 1023) / 1024, 1).topRows(batch);
   }
   double flops() const { return 2.0 * static_cast<double>(weights.values.size()) * static_cast<double>(frames.rows()); }
@@ -48,7 +47,7 @@ void count(benchmark::State& state, const Case& c, int threads) {
 
 void kernel(benchmark::State& state, int network, int threads) {
   const Case c(network, static_cast<int>(state.range(0)));
-  host::Executor executor(tactel::testing::executor().device(), {.threads = threads});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = threads});
   host::Forward<float> forward(executor, std::span(&c.weights, 1), scaling);
   const host::DeviceFrames frames(executor.device(), c.frames);
   forward.run(frames);
@@ -151,7 +150,7 @@ void one_frame_eigen(benchmark::State& state, int network) {
 }
 
 const bool registered = [] {
-  const int all = tactel::testing::executor().threads();
+  const int all = tactel::tests::executor().threads();
   for (const int network : {1, 5, 6}) {
     const std::string name = "forward/" + nn::Topology::paper(network).text();
     for (const int threads : all > 1 ? std::vector<int>{1, all} : std::vector<int>{1}) {

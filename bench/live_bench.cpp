@@ -12,7 +12,7 @@
 namespace {
 
 using namespace tactel;
-using tactel::testing::bounded_model;
+using tactel::tests::bounded_model;
 
 nn::Model model_of(bool bound) {
   if (bound) return bounded_model("42-21-3", nn::ScalingKind::frame);
@@ -26,11 +26,11 @@ void live(benchmark::State& state, bool on_device, bool bound) {
   const nn::Model model = model_of(bound);
   const std::vector<const nn::Model*> models(pads, &model);
   const auto host = host::host_estimator(models),
-             kernel = host::device_estimator(tactel::testing::executor().device(), models);
+             kernel = host::device_estimator(tactel::tests::executor().device(), models);
   // Some frames in turn, with a sensor's noise.
   constexpr std::size_t turns = 16;
   const nn::RowMatrix<float> rows =
-      nn::with_noise(tactel::testing::bumps(static_cast<int>(turns * pads), 42, 5), 1e-3, 1).frames;
+      nn::with_noise(tactel::tests::bumps(static_cast<int>(turns * pads), 42, 5), 1e-3, 1).frames;
   const auto frame = [&](std::size_t turn) {
     return std::span<const float>(rows.data() + turn % turns * pads * 42, pads * 42);
   };
@@ -47,7 +47,7 @@ void live(benchmark::State& state, bool on_device, bool bound) {
   for (auto _ : state) measured->estimate(frame(turn++), answers);
   state.counters["answers_per_second"] =
       benchmark::Counter(static_cast<double>(pads), benchmark::Counter::kIsIterationInvariantRate);
-  if (on_device) state.SetLabel(tactel::testing::executor().device().info().name);
+  if (on_device) state.SetLabel(tactel::tests::executor().device().info().name);
 }
 
 BENCHMARK_CAPTURE(live, kernel, true, false)->Arg(1)->Arg(2)->Arg(16)->Arg(64);

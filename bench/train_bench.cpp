@@ -24,7 +24,7 @@ constexpr float rate = 0.1f, momentum = 0.9f;
 
 const nn::FrameSet& set() {
   // A sensor's noise keeps the tails of bumps from becoming denormal numbers, at which the peers would crawl.
-  static const nn::FrameSet set = nn::with_noise(tactel::testing::bumps(rows, 42, 3), 1e-3, 1);
+  static const nn::FrameSet set = nn::with_noise(tactel::tests::bumps(rows, 42, 3), 1e-3, 1);
   return set;
 }
 const nn::InputScaling& scaling() {
@@ -37,7 +37,7 @@ const nn::TrainingSet<float>& shown() {
 }
 const host::LearningInputs<float>& inputs() {
   static const std::vector<host::SetVariant> clean{{}};
-  static const host::LearningInputs<float> inputs(tactel::testing::executor().device(), set(), scaling(), clean);
+  static const host::LearningInputs<float> inputs(tactel::tests::executor().device(), set(), scaling(), clean);
   return inputs;
 }
 
@@ -59,13 +59,13 @@ bool learns_like_reference(host::TrainOnline<float>& training, std::uint64_t see
   training.run(2);
   nn::OnlineState<double> reference(nn::initial_weights(training.topology(), seed));
   nn::train_online(reference, nn::training_set<double>(set(), scaling()), {.stop_error = 0}, seed, 2);
-  return tactel::testing::largest_difference(training.state(0).weights.values, reference.weights.values) < 1e-4;
+  return tactel::tests::largest_difference(training.state(0).weights.values, reference.weights.values) < 1e-4;
 }
 
 // The six networks with `seeds` seeds each, in one pool.
 void online_sweep(benchmark::State& state, int threads, int seeds) {
   constexpr int cycles = 4;  // a launch, as trainings of this size have it between looks at the clock
-  host::Executor executor(tactel::testing::executor().device(), {.threads = threads});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = threads});
   std::vector<OnlineMember> members;
   for (int seed = 0; seed < seeds; ++seed) members.push_back({static_cast<std::uint64_t>(seed), 0});
   std::vector<host::TrainOnline<float>> trainings;
@@ -133,7 +133,7 @@ std::unique_ptr<LearnOne> fann_learner(const nn::Topology& topology) {
 
 // Networks of one topology on one thread.
 void online_one(benchmark::State& state, int network, int seeds) {
-  host::Executor executor(tactel::testing::executor().device(), {.threads = 1});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = 1});
   const nn::Topology topology = nn::Topology::paper(network);
   std::vector<OnlineMember> members;
   for (int seed = 0; seed < seeds; ++seed) members.push_back({static_cast<std::uint64_t>(seed), 0});
@@ -154,7 +154,7 @@ void online_one_peer(benchmark::State& state, int network, const Make& make_lear
 }
 
 void batches(benchmark::State& state, int network, nn::BatchRule rule, int threads) {
-  host::Executor executor(tactel::testing::executor().device(), {.threads = threads});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = threads});
   const nn::Topology topology = nn::Topology::paper(network);
   // Batches of up to a slice keep one thread busy for each network, so there are as many networks as threads.
   const int networks = state.range(0) <= host::TrainBatch<float>::slice ? threads : 1;
@@ -165,7 +165,7 @@ void batches(benchmark::State& state, int network, nn::BatchRule rule, int threa
   training.train_epoch();
   nn::BatchState<double> reference(nn::initial_weights(topology, 0));
   nn::train_epoch(reference, nn::training_set<double>(set(), scaling()), options, 0);
-  if (!(tactel::testing::largest_difference(training.state(0).weights.values, reference.weights.values) < 1e-3))
+  if (!(tactel::tests::largest_difference(training.state(0).weights.values, reference.weights.values) < 1e-3))
     return state.SkipWithError("weights differ from the reference");
   for (auto _ : state) training.train_epoch();
   count(state, double(rows) * networks, rows * networks * flops_of_pattern(topology), threads);
@@ -207,7 +207,7 @@ void time_to_error(benchmark::State& state, const LearnCycle& learn_cycle, int m
 }
 
 void to_error_online(benchmark::State& state) {
-  host::Executor executor(tactel::testing::executor().device(), {.threads = 1});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = 1});
   const std::vector<OnlineMember> members{{1, 0}};
   host::TrainOnline<float> training(executor, nn::Topology::paper(6), inputs(), members, {.stop_error = 0});
   time_to_error(
@@ -226,7 +226,7 @@ void to_error_eigen(benchmark::State& state) {
 }
 
 void to_error_batch(benchmark::State& state, const nn::BatchOptions& options) {
-  host::Executor executor(tactel::testing::executor().device(), {.threads = 1});
+  host::Executor executor(tactel::tests::executor().device(), {.threads = 1});
   const std::vector<OnlineMember> members{{1, 0}};
   host::TrainBatch<float> training(executor, nn::Topology::paper(6), inputs(), members, options);
   time_to_error(
@@ -237,7 +237,7 @@ const bool registered = [] {
   const auto add = [](const std::string& name, auto body) {
     return benchmark::RegisterBenchmark(name.c_str(), body)->Unit(benchmark::kMillisecond);
   };
-  const int all = tactel::testing::executor().threads();
+  const int all = tactel::tests::executor().threads();
   add("train/online/6x100/kernel", [=](benchmark::State& s) { online_sweep(s, all, 100); })->UseRealTime();
   add("train/online/6x1/kernel/threads:1", [](benchmark::State& s) { online_sweep(s, 1, 1); })->UseRealTime();
   add("train/online/6x2/eigen", [=](benchmark::State& s) { online_peer(s, all, eigen_learner); })->UseRealTime();

@@ -10,23 +10,23 @@ namespace {
 using namespace tactel;
 
 void chain(benchmark::State& state, const nn::Transducer& transducer, int channels) {
-  const tactel::testing::TransducerCase some(8192, channels);
+  const tactel::tests::TransducerCase some(8192, channels);
   std::vector<float> signal = some.stress;
-  host::TransducerChain chain(tactel::testing::executor(), transducer, 11, channels);
+  host::TransducerChain chain(tactel::tests::executor(), transducer, 11, channels);
   chain.run(some.contacts, signal);
-  if (!(tactel::testing::largest_difference(signal, some.by_twin(transducer, channels)) < 3e-6))
+  if (!(tactel::tests::largest_difference(signal, some.by_twin(transducer, channels)) < 3e-6))
     return state.SkipWithError("readings differ from the twin");
-  tactel::testing::executor().clear_times();
+  tactel::tests::executor().clear_times();
   double seconds = 0;
   for (auto _ : state) {
     signal = some.stress;
     chain.run(some.contacts, signal);
   }
-  for (const auto& [name, time] : tactel::testing::executor().times()) seconds += time.seconds;
+  for (const auto& [name, time] : tactel::tests::executor().times()) seconds += time.seconds;
   const double steps = static_cast<double>(signal.size()) / channels * static_cast<double>(state.iterations());
   state.counters["steps_per_second"] = benchmark::Counter(steps, benchmark::Counter::kIsRate);
   state.counters["in_kernel_steps_per_core_second"] = steps / seconds;
-  state.SetLabel(tactel::testing::executor().device().info().name);
+  state.SetLabel(tactel::tests::executor().device().info().name);
 }
 
 const bool registered = [] {
@@ -40,8 +40,8 @@ const bool registered = [] {
     add("gain", {.gain_spread = 0.1});
     add("high_pass", {.time_constant = 1, .step_time = 0.05});
     add("noise", {.noise = 0.03});
-    add("all_parts", tactel::testing::all_parts);
-    add("skin_parts", tactel::testing::skin_parts);
+    add("all_parts", tactel::tests::all_parts);
+    add("skin_parts", tactel::tests::skin_parts);
   }
   return true;
 }();

@@ -18,13 +18,13 @@ namespace crafted_networks_test {
 
 using namespace tactel;
 using nn::ScalingKind;
-using tactel::testing::begin_with;
-using tactel::testing::bounded_model;
-using tactel::testing::each_change;
-using tactel::testing::initializer;
-using tactel::testing::metadata;
-using tactel::testing::parsed;
-using tactel::testing::sealed;
+using tactel::tests::begin_with;
+using tactel::tests::bounded_model;
+using tactel::tests::each_change;
+using tactel::tests::initializer;
+using tactel::tests::metadata;
+using tactel::tests::parsed;
+using tactel::tests::sealed;
 
 bool infer_accepts(const std::string& bytes) {
   try {

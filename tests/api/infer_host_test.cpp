@@ -24,8 +24,8 @@
 namespace infer_host_test {
 
 using namespace tactel;
-using tactel::testing::bounded_model;
-using tactel::testing::bumps;
+using tactel::tests::bounded_model;
+using tactel::tests::bumps;
 using ::testing::HasSubstr;
 
 /// Every answer that the library gives to the frames: loaded anew, one by one, together, and as a history.

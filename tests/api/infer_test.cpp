@@ -30,11 +30,11 @@ namespace infer_test {
 
 using namespace tactel;
 using nn::ScalingKind;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::metadata;
-using tactel::testing::parsed;
-using tactel::testing::sealed;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::metadata;
+using tactel::tests::parsed;
+using tactel::tests::sealed;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -124,7 +124,7 @@ TEST(InferOnDevice, GivesTheBitsOfTheKernels) {
 TEST(Infer, AnswersDoNotDependOnTheBatch) {
   for (const char* topology : {"42-42-21-1", "8-33-31-1_leaky-relu", "42-42-21-3"}) {
     const bool bound = std::string_view(topology).ends_with("-3");
-    const nn::Model model = bound ? tactel::testing::bounded_model(topology, ScalingKind::frame, true)
+    const nn::Model model = bound ? tactel::tests::bounded_model(topology, ScalingKind::frame, true)
                                   : some_model(topology, ScalingKind::frame);
     const SlipEstimator estimator = estimator_of(infer::network_bytes(model));
     const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
@@ -146,7 +146,7 @@ TEST(InferOnDevice, GivesTheBoundOfTheProgram) {
   for (const char* topology : {"42-42-21-3", "8-32-3", "8-33-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const bool by_distance = std::string_view(topology) != "8-32-3";
-      const nn::Model model = tactel::testing::bounded_model(topology, kind, by_distance);
+      const nn::Model model = tactel::tests::bounded_model(topology, kind, by_distance);
       const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
       const std::vector<Answer> answers = answers_of(estimator_of(infer::network_bytes(model)), frames);
       for (const int lanes : {executor().device().info().lanes_fp32, 1}) {
@@ -389,7 +389,7 @@ TEST(Infer, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->mutable_input()->Clear(); }), HasSubstr("form"));
   EXPECT_THAT(changed([](auto& m) {
                 auto& tensor = *m.mutable_graph()->mutable_initializer(m.graph().initializer_size() - 1);
-                tactel::testing::begin_with(tensor, std::numeric_limits<float>::infinity());
+                tactel::tests::begin_with(tensor, std::numeric_limits<float>::infinity());
               }),
               HasSubstr("NaN or infinite"));
 }

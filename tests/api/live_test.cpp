@@ -228,10 +228,10 @@ TEST_F(LiveApi, SaysWhatCannotBeOpened) {
 
 /// A line, a pad, and three frames of a line; each with a bound.
 std::vector<Network> some_networks(const ScratchFolder& folder) {
-  nn::Model line = tactel::testing::bounded_model("8-5-3", nn::ScalingKind::set);
-  nn::Model pad = tactel::testing::bounded_model("12-9-3", nn::ScalingKind::frame);
+  nn::Model line = tactel::tests::bounded_model("8-5-3", nn::ScalingKind::set);
+  nn::Model pad = tactel::tests::bounded_model("12-9-3", nn::ScalingKind::frame);
   pad.scaling.axes = 3, pad.bound->tactels = 4;
-  nn::Model history = tactel::testing::bounded_model("24-9-3", nn::ScalingKind::frame);
+  nn::Model history = tactel::tests::bounded_model("24-9-3", nn::ScalingKind::frame);
   history.history = {.frames = 3, .stride = 2, .change = 0.07};
   history.scaling.history = 3, history.bound->tactels = 4;
   std::vector<Network> networks;

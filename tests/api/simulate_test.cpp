@@ -24,7 +24,7 @@
 namespace simulate_test {
 
 using namespace tactel;
-using tactel::testing::executor;
+using tactel::tests::executor;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;

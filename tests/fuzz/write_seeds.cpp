@@ -20,8 +20,8 @@ namespace tactel::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-using hw::testing::append;
-using hw::testing::ByteVector;
+using hw::tests::append;
+using hw::tests::ByteVector;
 
 /// DIR/TARGET/name, in a folder that is there.
 fs::path seed(const fs::path& corpus, const std::string& target, const std::string& name = "seed") {
@@ -51,7 +51,7 @@ void write_stream(const fs::path& path, int frames, const std::function<ByteVect
 }
 
 void write_streams(const fs::path& corpus) {
-  using namespace hw::testing;
+  using namespace hw::tests;
   write_stream(seed(corpus, "decode_glove"), 2, glove_frame);
   write_stream(seed(corpus, "decode_papillarray"), 2, [](int i) {
     return papillarray_frame({.sensors = 2, .counter = static_cast<std::uint32_t>(i), .undocumented = i == 1});

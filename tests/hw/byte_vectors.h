@@ -7,7 +7,7 @@
 #include "hw/decoder.h"
 
 /// Frames written by hand from the published layouts, without the code under test.
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 using ByteVector = std::vector<std::uint8_t>;
 
@@ -160,4 +160,4 @@ inline Decoded decode(std::unique_ptr<const WireFormat> format, const ByteVector
   return decoded;
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -8,7 +8,7 @@
 #include "hw/decoder.h"
 #include "hw/formats.h"
 
-namespace tactel::hw::testing::csv_format_test {
+namespace tactel::hw::tests::csv_format_test {
 
 TEST(CsvFormat, GivesBackValuesAndTimes) {
   const std::array first{0.1, -1e300, 16777217.0}, second{1.0, 2.0, 3.0};
@@ -34,4 +34,4 @@ TEST(CsvFormat, GivesBackValuesAndTimes) {
   EXPECT_EQ(decoder.counts(), (DecoderCounts{.frames = 4, .lost = 2}));
 }
 
-}  // namespace tactel::hw::testing::csv_format_test
+}  // namespace tactel::hw::tests::csv_format_test

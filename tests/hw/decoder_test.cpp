@@ -13,7 +13,7 @@
 #include "hw/generic_format.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing::decoder_test {
+namespace tactel::hw::tests::decoder_test {
 
 struct Case {
   const char* name;
@@ -170,4 +170,4 @@ TEST_P(EveryFormat, RandomBytesDoNoHarm) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat, ::testing::ValuesIn(cases), [](const auto& i) { return i.param.name; });
 
-}  // namespace tactel::hw::testing::decoder_test
+}  // namespace tactel::hw::tests::decoder_test

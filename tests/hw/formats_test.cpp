@@ -8,7 +8,7 @@
 #include "fem/numbers/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing::formats_test {
+namespace tactel::hw::tests::formats_test {
 
 using ::testing::ElementsAre;
 
@@ -187,4 +187,4 @@ TEST(Formats, RefuseWhatCannotBeMeant) {
   EXPECT_THROW(paxini_format(1, 100000), ValueError);
 }
 
-}  // namespace tactel::hw::testing::formats_test
+}  // namespace tactel::hw::tests::formats_test

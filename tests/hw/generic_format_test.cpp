@@ -6,7 +6,7 @@
 #include "fem/numbers/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing::generic_format_test {
+namespace tactel::hw::tests::generic_format_test {
 
 using ::testing::ElementsAre;
 
@@ -139,4 +139,4 @@ TEST(GenericFormat, RefusesLayoutsThatCannotBeMeant) {
   refused([](GenericLayout& l) { l.confirmations = 0; });
 }
 
-}  // namespace tactel::hw::testing::generic_format_test
+}  // namespace tactel::hw::tests::generic_format_test

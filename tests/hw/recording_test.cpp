@@ -14,7 +14,7 @@
 #include "tests/hw/byte_vectors.h"
 #include "tests/scratch.h"
 
-namespace tactel::hw::testing::recording_test {
+namespace tactel::hw::tests::recording_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -245,4 +245,4 @@ TEST(Crc32, CatalogueValue) {
   EXPECT_EQ(crc32(Bytes(reinterpret_cast<const std::uint8_t*>("123456789"), 9)), 0xCBF43926u);
 }
 
-}  // namespace tactel::hw::testing::recording_test
+}  // namespace tactel::hw::tests::recording_test

@@ -87,13 +87,13 @@ TEST(SerialSource, CallsADeviceUntilItAnswers) {
   board.send({'b', 'o', 'o', 't', '\n'});
   EXPECT_EQ(heard(board, source, 1.5), std::vector<std::uint8_t>{'S'});
   source.answered();
-  EXPECT_THAT(heard(board, source, 1.5), ::testing::IsEmpty());
+  EXPECT_THAT(heard(board, source, 1.5), testing::IsEmpty());
 }
 
 TEST(SerialSource, WaitsBeforeItCalls) {
   Board board;
   SerialSource source(board.path, {.start = {'S'}, .wait = 0.8});
-  EXPECT_THAT(heard(board, source, 0.4), ::testing::IsEmpty());
+  EXPECT_THAT(heard(board, source, 0.4), testing::IsEmpty());
   EXPECT_EQ(heard(board, source, 1), std::vector<std::uint8_t>{'S'});
 }
 

@@ -46,10 +46,10 @@ namespace {
 using namespace tactel;
 using namespace tactel::host;
 using fem::base_force_difference;
-using tactel::testing::all_parts;
-using tactel::testing::bumps;
-using tactel::testing::largest_difference;
-using tactel::testing::TransducerCase;
+using tactel::tests::all_parts;
+using tactel::tests::bumps;
+using tactel::tests::largest_difference;
+using tactel::tests::TransducerCase;
 
 /// By lanes in fp32: a GPU's, and those of AVX-512.
 struct TinyBatches : ::testing::TestWithParam<int> {
@@ -204,12 +204,12 @@ TEST_P(TinyBatches, Forward) {
 /// Each frame's bound is that of the twin, whose S and quantiles differ by the tolerance above: within it, but where a
 /// class's edge lies between.
 TEST_P(TinyBatches, ForwardBound) {
-  const nn::Model model = tactel::testing::bounded_model("6-5-3", nn::ScalingKind::frame);
+  const nn::Model model = tactel::tests::bounded_model("6-5-3", nn::ScalingKind::frame);
   const nn::Bound* const bound = &*model.bound;
   const nn::RowMatrix<float> frames = bumps(35, 6, 4).frames;
   Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling, std::span(&bound, 1));
   const nn::Recall<float> found = forward.recall(frames);
-  const auto truth = tactel::testing::bounds_of(model, nn::recall(model.weights, model.scaling, frames), frames);
+  const auto truth = tactel::tests::bounds_of(model, nn::recall(model.weights, model.scaling, frames), frames);
   int near = 0;
   for (std::size_t row = 0; row < truth.size(); ++row) {
     near += std::abs(found.bounds[row].upper - truth[row].upper) < 2e-6;
@@ -403,7 +403,7 @@ TEST_P(TinyBatches, TransducerChain) {
   nn::Transducer faults = all_parts;
   faults.shift_spread = 0.2, faults.crosstalk = 0.1, faults.dead = 0.2, faults.lag = 0.2, faults.lag_time = 0.3;
   faults.noise_of_largest = 0.02, faults.gain_spread_from = 0;
-  for (const nn::Transducer& t : {all_parts, faults, tactel::testing::skin_parts}) {
+  for (const nn::Transducer& t : {all_parts, faults, tactel::tests::skin_parts}) {
     std::vector<float> signal = some.stress;
     TransducerChain(executor, t, 11, 6).run(some.contacts, signal);
     EXPECT_LT(largest_difference(signal, some.by_twin(t, 6)), 3e-6);

@@ -193,7 +193,7 @@ TEST(HardScenes, ForcesThatSinglePrecisionDoesNotResolveAreNamed) {
 /// them certified. That is said; of "bonded" contacts the exact solver's is given, which is the reference's.
 TEST(HardScenes, SeveralSolutionsAreNamed) {
   Executor executor{Device()};
-  auto scenes = tactel::testing::random_scenes(tactel::testing::paper_mesh('B'), 150, 31);
+  auto scenes = tactel::tests::random_scenes(tactel::tests::paper_mesh('B'), 150, 31);
   for (fem::Scene& scene : scenes) scene.friction = 100, scene.sensor.young = 2;
   const auto found = solve_on_meshes(executor, scenes, Precision::fp64, {.second_opinion = true});
   fem::GapReference reference(scenes.front().sensor);

@@ -255,7 +255,7 @@ void record_presses(const std::string& path, int sensors, int axes, const std::s
 
 /// A network with a bound on three frames of four tactels.
 nn::Model with_history(const char* topology, int axes) {
-  nn::Model model = tactel::testing::bounded_model(topology, nn::ScalingKind::frame);
+  nn::Model model = tactel::tests::bounded_model(topology, nn::ScalingKind::frame);
   model.history = {.frames = 3, .stride = 2, .change = 0.07};
   model.scaling.history = 3, model.scaling.axes = axes;
   model.bound->tactels = 4;

@@ -18,8 +18,8 @@ namespace train_command_test {
 using namespace tactel;
 using namespace tactel::host;
 using nlohmann::json;
-using tactel::testing::networks_in;
-using tactel::testing::PaperSetFiles;
+using tactel::tests::networks_in;
+using tactel::tests::PaperSetFiles;
 using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;

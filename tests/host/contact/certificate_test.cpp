@@ -17,9 +17,9 @@ namespace certificate_test {
 using namespace tactel;
 using fem::base_force_difference;
 using host::executor;
-using tactel::testing::paper_mesh;
-using tactel::testing::random_force_scenes;
-using tactel::testing::random_scenes;
+using tactel::tests::paper_mesh;
+using tactel::tests::random_force_scenes;
+using tactel::tests::random_scenes;
 
 /// Walks along a solution; residual() is that of the step just taken.
 class Auditor {

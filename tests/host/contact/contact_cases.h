@@ -8,7 +8,7 @@
 #include "fem/gap/solution_difference.h"
 #include "fem/scenes/scene.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 /// Every kind of indenter, at sizes that touch from one node to all of them.
 inline std::vector<fem::Shape> all_shapes() {
@@ -70,4 +70,4 @@ inline std::vector<fem::Scene> random_force_scenes(const fem::Sensor& sensor, st
   return scenes;
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

@@ -186,8 +186,8 @@ TEST(ContactStream, ALaunchIsNotLongerThanItsMemory) {
 
 /// Scenes of several sensors, by depth and force; flats on thin rubber need linear elements.
 std::vector<fem::Scene> line_scenes() {
-  auto scenes = tactel::testing::random_scenes(fem::Sensor(), 30, 8);
-  for (const fem::Scene& scene : tactel::testing::random_force_scenes(fem::Sensor(), 10, 8)) scenes.push_back(scene);
+  auto scenes = tactel::tests::random_scenes(fem::Sensor(), 30, 8);
+  for (const fem::Scene& scene : tactel::tests::random_force_scenes(fem::Sensor(), 10, 8)) scenes.push_back(scene);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     scenes[i].sensor.young = 1 + 0.1 * static_cast<double>(i);
     if (i % 3 == 1) scenes[i].sensor.poisson = 0.3;

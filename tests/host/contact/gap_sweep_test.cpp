@@ -22,10 +22,10 @@ namespace gap_sweep_test {
 using namespace tactel;
 using fem::base_force_difference;
 using host::executor;
-using tactel::testing::all_shapes;
-using tactel::testing::paper_mesh;
-using tactel::testing::random_scenes;
-using tactel::testing::reversal;
+using tactel::tests::all_shapes;
+using tactel::tests::paper_mesh;
+using tactel::tests::random_scenes;
+using tactel::tests::reversal;
 
 const std::vector<double> all_nu{0, 0.3, 0.45, 0.49, 0.4999}, all_mu{0, 0.2, 0.5, 1, 5};
 

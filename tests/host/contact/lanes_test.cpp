@@ -24,9 +24,9 @@ bool same(const fem::ContactStep& a, const fem::ContactStep& b) {
 
 TYPED_TEST(LanesNightly, OfAnyNumberGiveTheSameBits) {
   for (const bool force : {false, true}) {
-    const fem::Sensor sensor = tactel::testing::paper_mesh('B');
+    const fem::Sensor sensor = tactel::tests::paper_mesh('B');
     const auto scenes =  // more than one tile of 64 at one lane
-        force ? tactel::testing::random_force_scenes(sensor, 67, 5) : tactel::testing::random_scenes(sensor, 67, 5);
+        force ? tactel::tests::random_force_scenes(sensor, 67, 5) : tactel::tests::random_scenes(sensor, 67, 5);
     std::vector<fem::ContactSolution> expected;
     for (const Device& device : devices_of_all_lanes()) {
       Executor executor{device, {.threads = 1}};

@@ -10,7 +10,7 @@
 #include "fem/gap/contact_solution.h"
 #include "fem/scenes/scene.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 /// The batch of one launch of PatchContact or GapSweep; outputs and all unused inputs hold NaN before it.
 template <class Launcher>
@@ -48,4 +48,4 @@ Hashes hashes(const Launcher& launcher, std::span<const fem::Scene> scenes, std:
   return found;
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

@@ -23,14 +23,14 @@
 
 namespace tactel::host::patch_contact_test {
 
-using tactel::testing::all_shapes;
-using tactel::testing::hash;
-using tactel::testing::hashes;
-using tactel::testing::Hashes;
-using tactel::testing::ran;
-using tactel::testing::random_force_scenes;
-using tactel::testing::random_scenes;
-using tactel::testing::reversal;
+using tactel::tests::all_shapes;
+using tactel::tests::hash;
+using tactel::tests::hashes;
+using tactel::tests::Hashes;
+using tactel::tests::ran;
+using tactel::tests::random_force_scenes;
+using tactel::tests::random_scenes;
+using tactel::tests::reversal;
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 

@@ -24,8 +24,8 @@
 
 namespace tactel::host::patch_sensors_test {
 
-using tactel::testing::random_force_scenes;
-using tactel::testing::random_scenes;
+using tactel::tests::random_force_scenes;
+using tactel::tests::random_scenes;
 
 constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14};
 
@@ -54,7 +54,7 @@ std::vector<fem::Scene> scenes_on_sensors(std::size_t count, std::uint64_t seed,
 template <class Real>
 std::vector<fem::ContactSolution> solutions(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
                                             std::size_t largest_chunk = 4096) {
-  const auto batch = tactel::testing::ran(contact, scenes, largest_chunk);
+  const auto batch = tactel::tests::ran(contact, scenes, largest_chunk);
   std::vector<fem::ContactSolution> all;
   for (std::size_t i = 0; i < scenes.size(); ++i) all.push_back(batch.solution(i));
   return all;

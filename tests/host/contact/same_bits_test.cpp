@@ -18,10 +18,10 @@
 namespace same_bits_test {
 
 using namespace tactel;
-using tactel::testing::hash;
-using tactel::testing::hashes;
-using tactel::testing::Hashes;
-using tactel::testing::paper_mesh;
+using tactel::tests::hash;
+using tactel::tests::hashes;
+using tactel::tests::Hashes;
+using tactel::tests::paper_mesh;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
@@ -36,8 +36,8 @@ class SameBits : public ::testing::TestWithParam<Case> {
   const std::vector<fem::Scene> scenes_ = random_scenes(7);
 
   static std::vector<fem::Scene> random_scenes(std::uint64_t seed) {
-    auto scenes = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, seed)
-                                   : tactel::testing::random_scenes(paper_mesh('B'), count, seed);
+    auto scenes = GetParam().force ? tactel::tests::random_force_scenes(paper_mesh('B'), count, seed)
+                                   : tactel::tests::random_scenes(paper_mesh('B'), count, seed);
     for (fem::Scene& scene : scenes) {
       if (GetParam().friction) continue;
       scene.friction = 0;

@@ -34,7 +34,7 @@ TEST(Alarm, HasHysteresis) {
 
 // Intervals of at most 0.5 begin an alarm; it goes on at wider ones. A wide one above the threshold cannot tell.
 TEST(Alarm, AWideIntervalCannotTell) {
-  const auto bounded = testing::bounded_model("8-6-3", nn::ScalingKind::frame);
+  const auto bounded = tests::bounded_model("8-6-3", nn::ScalingKind::frame);
   Alarm alarm(estimator_of(bounded), {.at = 0.8f, .widest = 0.5f});
   const float values[] = {0.875f, 0.875f, 0.875f, 0.6875f, 0.875f, 0.5f, 0.875f};
   const float widths[] = {0.625f, 0.5f, 0.625f, 0.625f, NAN, 0.875f, 0.25f};
@@ -89,7 +89,7 @@ TEST(Alarm, JudgesFramesOfLinesAndPads) {
 // What is unlike the learning set asks for the alarm, whatever its S, and an S below ends it; `ignore_unlike` leaves it
 // to S. Both say that it cannot tell. Without contact there is nothing to tell.
 TEST(Alarm, AnUnlikeFrameCannotTell) {
-  const SlipEstimator network = estimator_of(testing::bounded_model("8-6-3", nn::ScalingKind::frame));
+  const SlipEstimator network = estimator_of(tests::bounded_model("8-6-3", nn::ScalingKind::frame));
   Alarm alarm(network, {.at = 0.8f}), ignoring(network, {.at = 0.8f, .ignore_unlike = true}),
       never(network, {.at = INFINITY});
   const float values[] = {0.1f, 0.1f, 0.1f, 0.9f, 0.1f};

@@ -16,7 +16,7 @@
 namespace tactel::host::live_estimator_test {
 
 using nn::ScalingKind;
-using tactel::testing::bounded_model;
+using tactel::tests::bounded_model;
 
 nn::Model plain(const char* topology) {
   nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);

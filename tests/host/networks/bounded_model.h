@@ -6,7 +6,7 @@
 #include "nn/model.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 /// A network with a bound whose tables differ from class to class, and whose limit of unlike frames divides `bumps`.
 inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind, bool by_distance = true) {
@@ -46,4 +46,4 @@ inline std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::
   return bounds;
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

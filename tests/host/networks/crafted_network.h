@@ -13,7 +13,7 @@
 #include "nn/infer/network_file.h"
 
 // Network files as libprotobuf sees them, which the program does not use.
-namespace tactel::testing {
+namespace tactel::tests {
 
 inline onnx::ModelProto parsed(const nn::Model& model) {
   onnx::ModelProto proto;
@@ -147,4 +147,4 @@ inline void each_change(google::protobuf::Message& message, const std::string& p
   }
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

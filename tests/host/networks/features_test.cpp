@@ -19,9 +19,9 @@ using namespace tactel;
 using namespace tactel::host;
 using nn::Features;
 using nn::FrameStatus;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::OnnxEvaluator;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::OnnxEvaluator;
 
 struct Case {
   const char* name;

@@ -20,8 +20,8 @@ using namespace tactel;
 using namespace tactel::host;
 using nn::FrameStatus;
 using nn::ScalingKind;
-using tactel::testing::bumps;
-using tactel::testing::executor;
+using tactel::tests::bumps;
+using tactel::tests::executor;
 
 template <class Real>
 std::vector<nn::Weights<Real>> some_networks(const nn::Topology& topology, int count) {
@@ -130,8 +130,7 @@ nn::Bound other_bound(const nn::Model& model) {
 TEST(ForwardBound, MatchesTheTwinBitForBit) {
   for (const char* topology : {"14-9-3"}) {  // 14 columns are one block and a part
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
-      nn::Model models[] = {tactel::testing::bounded_model(topology, kind),
-                            tactel::testing::bounded_model(topology, kind)};
+      nn::Model models[] = {tactel::tests::bounded_model(topology, kind), tactel::tests::bounded_model(topology, kind)};
       for (float& w : models[1].weights.values) w *= 0.7f;
       models[1].bound = other_bound(models[0]);
       const std::vector<nn::Weights<float>> networks{models[0].weights, models[1].weights};
@@ -147,7 +146,7 @@ TEST(ForwardBound, MatchesTheTwinBitForBit) {
           quantiles.run(on_device), bounded.run(on_device);
           for (std::size_t n = 0; n < 2; ++n) {
             const nn::Recall<float> truth = quantiles.result(n), found = bounded.result(n);
-            const auto expected = tactel::testing::bounds_of(models[n], truth, frames);
+            const auto expected = tactel::tests::bounds_of(models[n], truth, frames);
             EXPECT_EQ(found.status, truth.status);
             int different = 0;
             for (std::size_t row = 0; row < expected.size(); ++row) {

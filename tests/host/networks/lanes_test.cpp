@@ -10,8 +10,8 @@
 
 namespace tactel::host::lanes_test {
 
-using tactel::testing::bumps;
-using tactel::testing::largest_difference;
+using tactel::tests::bumps;
+using tactel::tests::largest_difference;
 
 constexpr int all_lanes[] = {16, 1, 2, 4, 8};
 

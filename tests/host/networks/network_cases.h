@@ -6,7 +6,7 @@
 #include "nn/frame_set.h"
 #include "tests/host/device/test_device.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 using host::executor;
 
@@ -41,4 +41,4 @@ double largest_difference(const A& a, const B& b) {
   return largest;
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

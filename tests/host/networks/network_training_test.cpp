@@ -22,8 +22,8 @@ namespace network_training_test {
 
 using namespace tactel;
 using namespace tactel::host;
-using tactel::testing::bumps;
-using tactel::testing::executor;
+using tactel::tests::bumps;
+using tactel::tests::executor;
 namespace fs = std::filesystem;
 
 TrainingPlan small_plan() {
@@ -92,7 +92,7 @@ TEST_F(NetworkTrainingTest, TrainsEveryNetworkOnItsOwnSet) {
     nn::OnlineOptions options{.cycle_limit = 150};
     const nn::CycleErrors last =
         nn::train_online(reference, nn::training_set<double>(shown, training.scaling()), options, network.seed, 150);
-    EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, reference.weights.values), 1e-9);
+    EXPECT_LT(tactel::tests::largest_difference(training.weights(i).values, reference.weights.values), 1e-9);
     EXPECT_NEAR(network.sse, last.sse, 1e-6 * last.sse);  // kept as float
     const auto answer = nn::recall(reference.weights, training.scaling(), shown.frames);
     EXPECT_NEAR(learnt[i].all.mean, nn::report_errors(nn::absolute_errors(answer.slip_index, shown), shown).all.mean,
@@ -125,7 +125,7 @@ TEST_F(NetworkTrainingTest, TrainsByMiniBatches) {
       last = nn::train_epoch(reference, shown, *plan.batch, network.seed);
     EXPECT_EQ(network.cycles, reference.epoch) << i;
     EXPECT_EQ(network.status, last.largest < stop ? nn::TrainStatus::learnt : nn::TrainStatus::cycle_limit) << i;
-    EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, reference.weights.values), 1e-9) << i;
+    EXPECT_LT(tactel::tests::largest_difference(training.weights(i).values, reference.weights.values), 1e-9) << i;
     EXPECT_NEAR(network.sse, last.sse, 1e-6 * last.sse) << i;  // kept as float
     EXPECT_EQ(network.curve.back().cycle, network.cycles) << i;
     seen.insert(network.status);
@@ -196,7 +196,7 @@ TEST_F(NetworkTrainingTest, KeepsTheBestWeightsOfAValidationSet) {
       EXPECT_EQ(network.cycles, reference.epoch) << i;
       EXPECT_EQ(network.best_cycle, at) << i;
       EXPECT_NEAR(network.best_error, least, 1e-9) << i;  // as the weights, below
-      EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, best.values), 1e-9) << i;
+      EXPECT_LT(tactel::tests::largest_difference(training.weights(i).values, best.values), 1e-9) << i;
       EXPECT_EQ(network.curve.back().cycle, network.cycles) << i;
       EXPECT_GE(network.curve.back().validation, network.best_error) << i;
       EXPECT_EQ(training.model(i, "bumps", {}).cycles, network.best_cycle) << i;

@@ -16,11 +16,11 @@ namespace onnx_bound_test {
 using namespace tactel;
 using namespace tactel::host;
 using nn::ScalingKind;
-using tactel::testing::bounded_model;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::OnnxEvaluator;
-using tactel::testing::parsed;
+using tactel::tests::bounded_model;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::OnnxEvaluator;
+using tactel::tests::parsed;
 
 TEST(OnnxBound, SatisfiesTheStandardsChecker) {
   for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame})
@@ -41,7 +41,7 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
       set.frames.row(5).reverseInPlace();
       Forward<float> forward(executor(), std::span(&model.weights, 1), model.scaling);
       const nn::Recall<float> answer = forward.recall(set.frames);
-      const std::vector<nn::BoundAnswer> own = tactel::testing::bounds_of(model, answer, set.frames);
+      const std::vector<nn::BoundAnswer> own = tactel::tests::bounds_of(model, answer, set.frames);
       const auto other = OnnxEvaluator(parsed(model)).all(set.frames.cast<double>());
       std::map<double, int> classes;
       int unlike = 0;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 /// A small runtime for ONNX graphs, written from the standard's description of each operator (onnx/docs/Operators.md,
 /// opset 13), in double precision. It knows nothing of how tactel makes graphs.
@@ -231,4 +231,4 @@ class OnnxEvaluator {
   std::map<std::string, Tensor> constants_;
 };
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

@@ -28,14 +28,14 @@ namespace onnx_file_test {
 using namespace tactel;
 using namespace tactel::host;
 using nn::ScalingKind;
-using tactel::testing::begin_with;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::initializer;
-using tactel::testing::metadata;
-using tactel::testing::OnnxEvaluator;
-using tactel::testing::parsed;
-using tactel::testing::sealed;
+using tactel::tests::begin_with;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::initializer;
+using tactel::tests::metadata;
+using tactel::tests::OnnxEvaluator;
+using tactel::tests::parsed;
+using tactel::tests::sealed;
 namespace fs = std::filesystem;
 
 nn::Model some_model(const char* topology, ScalingKind kind) {
@@ -70,8 +70,8 @@ TEST_F(OnnxFile, HasTheBytesOfLibprotobuf) {
     for (const char* topology :
          {"1", "2", "3", "4", "5", "6", "16-16-8-1", "2-1-1", "384-384-384-1", "16-9-1_leaky-relu"})
       models.push_back(some_model(topology, kind));
-    models.push_back(tactel::testing::bounded_model("16-9-3", kind));
-    models.push_back(tactel::testing::bounded_model("42-42-21-3", kind, false));
+    models.push_back(tactel::tests::bounded_model("16-9-3", kind));
+    models.push_back(tactel::tests::bounded_model("42-42-21-3", kind, false));
   }
   for (const nn::Model& model : models)
     EXPECT_EQ(parsed(model).SerializeAsString(), infer::network_bytes(model)) << model.weights.topology.text();

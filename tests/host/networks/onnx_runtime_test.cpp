@@ -13,7 +13,7 @@ namespace onnx_runtime_test {
 
 using namespace tactel;
 using namespace tactel::host;
-using tactel::testing::PaperSetFiles;
+using tactel::tests::PaperSetFiles;
 
 std::vector<double> column(const std::filesystem::path& csv, int which) {
   std::istringstream lines(text_of(csv));

@@ -16,9 +16,9 @@ using namespace tactel;
 using namespace tactel::host;
 using nn::BatchOptions;
 using nn::BatchRule;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::largest_difference;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::largest_difference;
 
 template <class Real>
 struct BatchCase {
@@ -86,13 +86,14 @@ TEST_P(TrainBatchTest, Fp64MatchesReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Shapes, TrainBatchTest,
-    ::testing::Values(Shape{"16-16-8-1", 100, 1}, Shape{"16-16-8-1", 100, 7}, Shape{"16-16-8-1", 100, 32},
-                      Shape{"16-16-8-1", 100, 64}, Shape{"16-16-8-1", 1000, 128}, Shape{"16-16-8-1", 1000, 129},
-                      Shape{"16-16-8-1", 1000, 600}, Shape{"16-16-8-1", 300, 1000}, Shape{"2-1-1", 50, 16},
-                      Shape{"30-31-33-1", 70, 33}, Shape{"16-16-8-3", 100, 32}, Shape{"16-16-8-3", 300, 200},
-                      Shape{"16-16-8-3_leaky-relu", 100, 32}));
+INSTANTIATE_TEST_SUITE_P(Shapes, TrainBatchTest,
+                         ::testing::Values(Shape{"16-16-8-1", 100, 1}, Shape{"16-16-8-1", 100, 7},
+                                           Shape{"16-16-8-1", 100, 32}, Shape{"16-16-8-1", 100, 64},
+                                           Shape{"16-16-8-1", 1000, 128}, Shape{"16-16-8-1", 1000, 129},
+                                           Shape{"16-16-8-1", 1000, 600}, Shape{"16-16-8-1", 300, 1000},
+                                           Shape{"2-1-1", 50, 16}, Shape{"30-31-33-1", 70, 33},
+                                           Shape{"16-16-8-3", 100, 32}, Shape{"16-16-8-3", 300, 200},
+                                           Shape{"16-16-8-3_leaky-relu", 100, 32}));
 INSTANTIATE_TEST_SUITE_P(Nightly, TrainBatchTest,
                          ::testing::Values(Shape{"18-33-1", 70, 33}, Shape{"18-33-3", 70, 33},
                                            Shape{"18-33-1_leaky-relu", 300, 200}));

@@ -15,9 +15,9 @@ namespace train_online_test {
 
 using namespace tactel;
 using namespace tactel::host;
-using tactel::testing::bumps;
-using tactel::testing::executor;
-using tactel::testing::largest_difference;
+using tactel::tests::bumps;
+using tactel::tests::executor;
+using tactel::tests::largest_difference;
 
 constexpr nn::ScalingKind by_set = nn::ScalingKind::set;
 

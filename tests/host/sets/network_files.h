@@ -10,7 +10,7 @@
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 /// The paper's sets in files, simulated once for a test program.
 class PaperSetFiles {
@@ -42,4 +42,4 @@ inline std::map<std::string, std::string> networks_in(const std::filesystem::pat
   return all;
 }
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

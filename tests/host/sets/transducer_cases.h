@@ -6,7 +6,7 @@
 #include "host/sets/transducer_chain.h"
 #include "tests/host/networks/network_cases.h"
 
-namespace tactel::testing {
+namespace tactel::tests {
 
 inline const nn::Transducer all_parts{.gain_spread = 0.1,
                                       .time_constant = 1,
@@ -73,4 +73,4 @@ struct TransducerCase {
   }
 };
 
-}  // namespace tactel::testing
+}  // namespace tactel::tests

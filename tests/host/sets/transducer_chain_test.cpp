@@ -20,10 +20,10 @@ namespace transducer_chain_test {
 using namespace tactel;
 using namespace tactel::host;
 using tactel::host::executor;
-using tactel::testing::all_parts;
-using tactel::testing::largest_difference;
-using tactel::testing::skin_parts;
-using tactel::testing::TransducerCase;
+using tactel::tests::all_parts;
+using tactel::tests::largest_difference;
+using tactel::tests::skin_parts;
+using tactel::tests::TransducerCase;
 
 class TransducerChannels : public ::testing::TestWithParam<int> {};
 

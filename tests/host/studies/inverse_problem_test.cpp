@@ -16,7 +16,7 @@
 
 namespace tactel::host::inverse_problem_test {
 
-using tactel::testing::executor;
+using tactel::tests::executor;
 
 nn::ErrorReport report_with(double max, double mean, double std) { return {.all = {1, max, mean, std}}; }
 

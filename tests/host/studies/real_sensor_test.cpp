@@ -14,7 +14,7 @@
 
 namespace tactel::host::real_sensor_test {
 
-using tactel::testing::executor;
+using tactel::tests::executor;
 
 /// Solved once a process.
 const std::vector<fem::ContactSolution>& solved() {

@@ -12,8 +12,8 @@
 
 namespace tactel::host::rank_training_test {
 
-using tactel::testing::networks_in;
-using tactel::testing::PaperSetFiles;
+using tactel::tests::networks_in;
+using tactel::tests::PaperSetFiles;
 using namespace std::chrono_literals;
 
 class RankTraining : public ::testing::Test {

@@ -18,7 +18,7 @@
 
 namespace tactel::host::stream_training_test {
 
-using tactel::testing::PaperSetFiles;
+using tactel::tests::PaperSetFiles;
 using ::testing::HasSubstr;
 
 const std::string sweep_text = R"(preset = "paper"
@@ -152,7 +152,7 @@ TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
     ASSERT_EQ(run(stopped, first), TrainingEnd::stopped);
     ASSERT_EQ(run(stopped, 1000), TrainingEnd::finished);
     EXPECT_EQ(report(stopped), report("whole")) << "stopped after " << first;
-    EXPECT_EQ(tactel::testing::networks_in(folder_ / stopped), tactel::testing::networks_in(folder_ / "whole"));
+    EXPECT_EQ(tactel::tests::networks_in(folder_ / stopped), tactel::tests::networks_in(folder_ / "whole"));
   }
 }
 
@@ -163,7 +163,7 @@ TEST_F(StreamTraining, ANetworkThatDivergedHasNoFile) {
                          {"1 of 1 networks diverged and have no file"}, 4));
   EXPECT_EQ(report("net")["networks"][0]["status"], "not finite");
   EXPECT_TRUE(report("net")["networks"][0]["file"].is_null());
-  EXPECT_TRUE(tactel::testing::networks_in(folder_ / "net").empty());
+  EXPECT_TRUE(tactel::tests::networks_in(folder_ / "net").empty());
 }
 
 TEST_F(StreamTraining, KilledAndResumedGivesTheSameNetwork) {
@@ -238,7 +238,7 @@ TEST_F(BlockTraining, ANetworkThatDivergedHasNoFile) {
   const auto network = report("net")["networks"][0];
   EXPECT_EQ(network["status"], "not finite");
   EXPECT_TRUE(network["file"].is_null());
-  EXPECT_TRUE(tactel::testing::networks_in(folder_ / "net").empty());
+  EXPECT_TRUE(tactel::tests::networks_in(folder_ / "net").empty());
   EXPECT_FALSE(std::filesystem::exists(folder_ / "net" / "checkpoint"));
 }
 
@@ -328,7 +328,7 @@ TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
       auto resumed = report(stopped);
       without_times(resumed);
       EXPECT_EQ(resumed, expected) << "stopped after " << first;
-      EXPECT_EQ(tactel::testing::networks_in(folder_ / stopped), tactel::testing::networks_in(folder_ / whole));
+      EXPECT_EQ(tactel::tests::networks_in(folder_ / stopped), tactel::tests::networks_in(folder_ / whole));
     }
   }
 }

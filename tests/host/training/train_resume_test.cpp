@@ -24,8 +24,8 @@ namespace train_resume_test {
 using namespace tactel;
 using namespace tactel::host;
 using namespace std::chrono_literals;
-using tactel::testing::networks_in;
-using tactel::testing::PaperSetFiles;
+using tactel::tests::networks_in;
+using tactel::tests::PaperSetFiles;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 

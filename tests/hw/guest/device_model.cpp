@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 // USB 2.0, 9.6.1: 04D8:000A, one configuration. Class CDC for the serial port, given by the interfaces else.
@@ -102,4 +102,4 @@ std::optional<ByteVector> DeviceModel::control(const Setup& setup, Bytes data) {
   }
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

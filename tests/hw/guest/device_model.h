@@ -7,7 +7,7 @@
 
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 /// What the device does when it is asked for a packet.
 enum class Answer { data, stall, babble, protocol_error };
@@ -66,4 +66,4 @@ class DeviceModel {
   int ready_fd_;
 };
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

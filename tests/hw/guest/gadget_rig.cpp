@@ -22,7 +22,7 @@
 
 #include "tests/hw/guest/rig.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -177,4 +177,4 @@ class GadgetRig final : public Rig {
 
 std::unique_ptr<Rig> gadget_rig(DeviceModel& model) { return std::make_unique<GadgetRig>(model); }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -16,7 +16,7 @@
 #include "nn/infer/network_file.h"
 #include "tests/hw/guest/rig.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 using nlohmann::json;
@@ -119,4 +119,4 @@ TEST(Pipeline, UsbToOpenClAndBackFromARecording) {
 }
 
 }  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 std::string word_of(const std::filesystem::path& file) {
@@ -40,4 +40,4 @@ void wait_for_device(bool there) {
   }
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -4,7 +4,7 @@
 
 #include "tests/hw/guest/device_model.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 /// Brings a model to the kernel as a real device, under a real host controller driver. Needs root and the modules.
 class Rig {
@@ -26,4 +26,4 @@ std::string device_folder();
 /// Waits until it is there, or gone. Throws std::runtime_error after a time that only a hung kernel takes.
 void wait_for_device(bool there);
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -14,7 +14,7 @@
 #include "tests/hw/guest/rig.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -289,4 +289,4 @@ TEST(Vhci, KernelDriverStandsAside) {
 }
 
 }  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -18,7 +18,7 @@
 
 #include "tests/hw/guest/rig.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 constexpr std::uint32_t cmd_submit = 1, cmd_unlink = 2, ret_submit = 3, ret_unlink = 4;
@@ -165,4 +165,4 @@ class VhciRig final : public Rig {
 
 std::unique_ptr<Rig> vhci_rig(DeviceModel& model) { return std::make_unique<VhciRig>(model); }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/hw/usb/device_kinds.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 const DeviceKind& glove_kind() {
   static const DeviceKind kind = {
@@ -52,4 +52,4 @@ const DeviceKind& fast_kind() {
   return kind;
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -4,7 +4,7 @@
 
 #include "tests/hw/byte_vectors.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 /// What an emulated device is, by its descriptors.
 struct DeviceKind {
@@ -23,4 +23,4 @@ const DeviceKind& ftdi_kind();
 /// A fast board, 1209:0002, high speed: 81 bulk IN, 01 bulk OUT, 512 B.
 const DeviceKind& fast_kind();
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

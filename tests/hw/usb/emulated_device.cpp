@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 constexpr std::size_t setup_bytes = 8;
@@ -324,4 +324,4 @@ bool EmulatedDevice::complete_in(Urb& urb) {
   return urb.end_with(0, packet.size());
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -17,7 +17,7 @@
 #include "tests/hw/usb/device_kinds.h"
 #include "tests/hw/usb/terminal_node.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 /// What the device does with one of its packets instead of sending it.
 enum class Fault { none, drop, stall, babble, protocol_error };
@@ -108,4 +108,4 @@ class EmulatedDevice {
   std::thread clock_;
 };
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

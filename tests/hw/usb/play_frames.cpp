@@ -16,7 +16,7 @@
 
 #include "tests/hw/usb/emulated_device.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 constexpr std::size_t queue = 4096;  // frames that wait in the device: none is lost on a busy machine
@@ -53,10 +53,10 @@ int play(int count, char** words) {
 }
 
 }  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests
 
 int main(int count, char** words) try {
-  return tactel::hw::testing::play(count, words);
+  return tactel::hw::tests::play(count, words);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "error: %s\n", error.what());
   return 2;

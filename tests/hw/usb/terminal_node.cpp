@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 int checked(int result, const char* what) {
@@ -41,4 +41,4 @@ void TerminalNode::set_ready(bool ready) {
   ready_ = ready;
 }
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 
 /// A terminal in the place of a USB device's node. usbfs says POLLOUT when a request can be handed back, and POLLERR
 /// when the device is gone; a plain file, as umockdev puts it there, is always ready, and libusb would spin on it.
@@ -22,4 +22,4 @@ class TerminalNode {
   bool ready_ = true;
 };
 
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

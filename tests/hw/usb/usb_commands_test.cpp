@@ -13,7 +13,7 @@
 #include "tests/hw/usb/emulated_device.h"
 #include "tests/scratch.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST_F(UsbCommands, DevicesListsSensorsWithTheirSources) {
 }
 
 }  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests

@@ -13,7 +13,7 @@
 #include "tests/hw/usb/emulated_device.h"
 #include "tests/thrown_message.h"
 
-namespace tactel::hw::testing {
+namespace tactel::hw::tests {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -369,4 +369,4 @@ TEST(UsbSource, SaysWhatToCheckWhenNothingIsThere) {
 }
 
 }  // namespace
-}  // namespace tactel::hw::testing
+}  // namespace tactel::hw::tests
