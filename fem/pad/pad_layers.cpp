@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
-#include <mutex>
 #include <numbers>
 #include <span>
 #include <utility>
 
 #include "fem/numbers/array_cache.h"
+#include "fem/numbers/last_used.h"
 #include "fem/numbers/processor.h"
 
 namespace tactel::fem {
@@ -91,17 +90,8 @@ double softer_in_shear(const PadSensor& sensor) {
 
 PadLayer pad_layer(const Rubber& rubber) {
   if (rubber.layers.empty()) return pad_layer(rubber.poisson);
-  constexpr std::size_t most_kept = 8;
-  static std::mutex making;
-  static std::list<std::pair<Rubber, PadLayer>> kept;  // the last used first
-  const std::lock_guard lock(making);
-  const auto found = std::ranges::find(kept, rubber, &std::pair<Rubber, PadLayer>::first);
-  if (found != kept.end())
-    kept.splice(kept.begin(), kept, found);
-  else
-    kept.emplace_front(rubber, PadLayer(rubber.layers));
-  if (kept.size() > most_kept) kept.pop_back();
-  return kept.front().second;
+  static LastUsed<Rubber, PadLayer> kept(8);
+  return kept.get(rubber, [&] { return PadLayer(rubber.layers); });
 }
 
 PadLayer pad_layer(const PadScene& scene) {

@@ -271,7 +271,7 @@ PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cel
 }
 
 PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder) {
-  PadLayout laid{scene.indenter, {}};
+  PadLayout laid{scene.indenter, {}, found.depth};
   const double reach = rim_reach(found, scene.indenter, scene.sensor);
   sharpen(laid.indenter, reach, cells);
   const bool fitted = fit_to_rim(found.contact, reach, laid.indenter, cells);

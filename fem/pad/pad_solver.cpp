@@ -29,11 +29,6 @@ Eigen::Matrix2d own_to_pad(const PadIndenter& indenter, const PadCells& cells) {
 
 Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.position[0], indenter.position[1]}; }
 
-/// Gauss points along the side of a square tactel, some for each H; 1: it is a point.
-int points_along_tactel(const PadSensor& sensor) {
-  return sensor.tactel_size > 0 ? 3 + static_cast<int>(std::ceil(2 * sensor.tactel_size / sensor.thickness)) : 1;
-}
-
 /// How often the layer's integrals are taken for the base stresses of cells, each from its own parts or from shared
 /// ones. `soft_thickness`: that of the layer.
 double stress_work(const PadScene& scene, const PadCells& cells, bool shared, double soft_thickness) {
@@ -45,7 +40,7 @@ double stress_work(const PadScene& scene, const PadCells& cells, bool shared, do
     return std::min((cells.n + 4.0) * parts, 2 * PadLayer::range / soft_thickness * parts / side);
   };
   const double tactels = static_cast<double>(scene.sensor.tactels[0]) * scene.sensor.tactels[1];
-  return tactels * std::pow(points_along_tactel(scene.sensor), 2) * points_of_part * along(cells.hx) * along(cells.hy);
+  return tactels * std::pow(TactelPoints::along(scene.sensor), 2) * points_of_part * along(cells.hx) * along(cells.hy);
 }
 
 /// Whether cells share parts: where they have some, and that takes less.
@@ -396,6 +391,24 @@ Eigen::MatrixX2d tactel_places(const PadSensor& sensor) {
   return places;
 }
 
+int TactelPoints::along(const PadSensor& sensor) {
+  return sensor.tactel_size > 0 ? 3 + static_cast<int>(std::ceil(2 * sensor.tactel_size / sensor.thickness)) : 1;
+}
+
+TactelPoints::TactelPoints(const PadSensor& sensor) {
+  const Eigen::MatrixX2d middles = tactel_places(sensor);
+  const double half = sensor.tactel_size / 2;
+  const std::vector<LegendrePoint> points =
+      half > 0 ? legendre_points(along(sensor)) : std::vector<LegendrePoint>{{0, 2}};
+  for (const auto& p : points)
+    for (const auto& q : points) weights.push_back(p.weight * q.weight / 4);
+  places.resize(middles.rows() * static_cast<Eigen::Index>(weights.size()), 2);
+  Eigen::Index k = 0;
+  for (Eigen::Index tactel = 0; tactel < middles.rows(); ++tactel)
+    for (const auto& p : points)
+      for (const auto& q : points) places.row(k++) = middles.row(tactel) + half * Eigen::RowVector2d(p.x, q.x);
+}
+
 double base_stress_work(const PadScene& scene, const PadCells& cells) {
   return stress_work(scene, cells, shares_parts(scene, cells), 1);
 }
@@ -406,11 +419,9 @@ namespace {
 /// which is in its frame, from the axis.
 template <class Add>
 Eigen::MatrixXd stress_rows(const PadScene& scene, const PadCells& cells, Add add) {
-  const Eigen::MatrixX2d tactels = tactel_places(scene.sensor);
-  const Eigen::Index count = tactels.rows(), cell_count = cells.count();
-  const double half = scene.sensor.tactel_size / 2;
-  const int along = points_along_tactel(scene.sensor);
-  const std::vector<LegendrePoint> points = along > 1 ? legendre_points(along) : std::vector<LegendrePoint>{{0, 2}};
+  const TactelPoints points(scene.sensor);
+  const Eigen::Index parts = std::ssize(points.weights), count = points.places.rows() / parts,
+                     cell_count = cells.count();
   const Eigen::Matrix2d turn = own_to_pad(scene.indenter, cells);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
   turned.bottomRightCorner<2, 2>() = turn;
@@ -418,12 +429,10 @@ Eigen::MatrixXd stress_rows(const PadScene& scene, const PadCells& cells, Add ad
   std::vector<PadBaseStress> sums(cell_count);
   for (Eigen::Index k = 0; k < count; ++k) {
     std::ranges::fill(sums, PadBaseStress(PadBaseStress::Zero()));
-    for (const LegendrePoint& p : points)
-      for (const LegendrePoint& q : points) {
-        const Eigen::Vector2d place =
-            tactels.row(k).transpose() + half * Eigen::Vector2d(p.x, q.x) - position(scene.indenter);
-        add(Eigen::Vector2d(turn.transpose() * place), p.weight * q.weight / 4, sums);
-      }
+    for (Eigen::Index p = 0; p < parts; ++p) {
+      const Eigen::Vector2d place = points.places.row(k * parts + p).transpose() - position(scene.indenter);
+      add(Eigen::Vector2d(turn.transpose() * place), points.weights[p], sums);
+    }
     for (Eigen::Index i = 0; i < cell_count; ++i) {
       const PadBaseStress at = turned * sums[i];
       for (int row = 0; row < 3; ++row) {

@@ -85,6 +85,16 @@ std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions
 /// Returns the middles of the tactels on the pad, [tactels, x fastest] mm.
 Eigen::MatrixX2d tactel_places(const PadSensor& sensor);
 
+/// Points at which the base stress is computed.
+struct TactelPoints {
+  explicit TactelPoints(const PadSensor& sensor);
+  /// Points along the side of a tactel, some for each H; 1: it is a point.
+  static int along(const PadSensor& sensor);
+
+  Eigen::MatrixX2d places;      ///< [tactels][points of a tactel] mm
+  std::vector<double> weights;  ///< [points of a tactel]; their sum is 1
+};
+
 /// Returns how often the layer's integrals are taken for base_stress_of_cells: some 20 ns each.
 double base_stress_work(const PadScene& scene, const PadCells& cells);
 

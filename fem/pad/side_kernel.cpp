@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <list>
-#include <mutex>
 #include <span>
 #include <tuple>
 
 #include "fem/numbers/array_cache.h"
 #include "fem/numbers/cache_directory.h"
+#include "fem/numbers/last_used.h"
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/processor.h"
 #include "fem/pad/brick_block.h"
@@ -141,39 +140,6 @@ BaseGrading grading_of(SideBricks bricks) {
   return bricks == SideBricks::finest ? BaseGrading{.finest = 0.05, .widest = 0.4, .highest = 0.35} : BaseGrading{};
 }
 
-/// The last things used of this process, by their keys.
-template <class Key, class T>
-class Kept {
- public:
-  /// Returns what `make` makes, or made before.
-  template <class Make>
-  std::shared_ptr<const T> get(const Key& key, Make make) {
-    const std::lock_guard lock(mutex_);
-    if (!has(key)) all_.emplace_front(key, std::make_shared<const T>(make()));
-    if (all_.size() > most_kept) all_.pop_back();
-    return all_.front().second;
-  }
-  /// Returns it where it is there.
-  std::shared_ptr<const T> find(const Key& key) {
-    const std::lock_guard lock(mutex_);
-    return has(key) ? all_.front().second : nullptr;
-  }
-
- private:
-  static constexpr std::size_t most_kept = 8;
-
-  /// Whether it is there; then it is the first.
-  bool has(const Key& key) {
-    const auto found = std::ranges::find(all_, key, &std::pair<Key, std::shared_ptr<const T>>::first);
-    if (found == all_.end()) return false;
-    all_.splice(all_.begin(), all_, found);
-    return true;
-  }
-
-  std::mutex mutex_;
-  std::list<std::pair<Key, std::shared_ptr<const T>>> all_;  ///< the last used first
-};
-
 }  // namespace
 
 double seconds_for_sides(const PadSensor& sensor, SideBricks judge) {
@@ -197,18 +163,20 @@ PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBri
   }
   const std::tuple surface(sides[0], sides[1], sensor.poisson, bricks);
   const std::tuple below(sides[0], sides[1], sensor.poisson, bricks == SideBricks::finest);
-  static Kept<std::tuple<double, double, double, SideBricks>, SideKernel> kernels;
-  static Kept<std::tuple<double, double, double, bool>, SideBase> bases;
+  constexpr std::size_t most_kept = 8;
+  static LastUsed<std::tuple<double, double, double, SideBricks>, std::shared_ptr<const SideKernel>> kernels(most_kept);
+  static LastUsed<std::tuple<double, double, double, bool>, std::shared_ptr<const SideBase>> bases(most_kept);
   std::future<std::shared_ptr<const SideBase>> made;  // ends before what it uses
   if (!(at.base = bases.find(below)))
     made = std::async(std::launch::async, [&] {
       return bases.get(below, [&] {
-        return SideBase({sides, side_mesh(sides, SideBricks::usual).cells}, sensor.poisson, grading_of(bricks),
-                        default_cache_directory(), between);
+        return std::make_shared<const SideBase>(SideGrid{sides, side_mesh(sides, SideBricks::usual).cells},
+                                                sensor.poisson, grading_of(bricks), default_cache_directory(), between);
       });
     });
   at.kernel = kernels.get(surface, [&] {
-    return SideKernel(sides, sensor.poisson, side_mesh(sides, bricks), default_cache_directory(), between);
+    return std::make_shared<const SideKernel>(sides, sensor.poisson, side_mesh(sides, bricks),
+                                              default_cache_directory(), between);
   });
   if (made.valid()) at.base = made.get();
   return at;

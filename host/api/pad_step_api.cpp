@@ -18,14 +18,6 @@
 #include "kernels/shared/pad_step_layout.h"
 
 namespace tactel {
-namespace {
-
-void check_numbers(const char* key, std::size_t size, std::size_t allowed) {
-  if (size != allowed) throw ValueError(key, fmt::format("{} numbers", size), fmt::format("{} numbers", allowed));
-}
-
-}  // namespace
-
 struct PadStepper::State {
   /// Calls function with the stepper of the precision.
   template <class Function>
@@ -201,7 +193,7 @@ void PadStepper::set_shapes(std::span<const PadIndenter> indenters) {
 
 void PadStepper::set_places(std::span<const double> places) {
   api::with_public_errors([&] {
-    check_numbers("places", places.size(), 3 * state_->count);
+    host::check_size("places", places.size(), 3 * state_->count);
     for (const double number : places)
       if (!std::isfinite(number)) throw ValueError("places", fmt::format("{}", number), "finite");
     state_->places.assign(places.begin(), places.end());
@@ -212,8 +204,8 @@ void PadStepper::set_gaps(std::span<const float> gaps, std::span<const float> co
   State& s = *state_;
   api::with_public_errors([&] {
     const auto cells = static_cast<std::size_t>(s.cells.count());
-    check_numbers("gaps", gaps.size(), s.count * cells);
-    if (!cover.empty()) check_numbers("cover", cover.size(), gaps.size());
+    host::check_size("gaps", gaps.size(), s.count * cells);
+    if (!cover.empty()) host::check_size("cover", cover.size(), gaps.size());
     std::vector<double> heights(gaps.begin(), gaps.end()), covers(cover.begin(), cover.end());
     s.depths.assign(s.count, 0);
     for (std::size_t c = 0; c < s.count; ++c) {
@@ -235,7 +227,7 @@ void PadStepper::set_gaps(std::span<const float> gaps, std::span<const float> co
 const StepAnswer& PadStepper::move(std::span<const double> pose, bool travel) {
   State& s = *state_;
   api::with_public_errors([&] {
-    check_numbers("pose", pose.size(), 4 * s.count);
+    host::check_size("pose", pose.size(), 4 * s.count);
     s.put_shapes(travel ? pose : std::span<const double>());
     std::vector<double> to(pose.begin(), pose.end());
     for (std::size_t c = 0; c < s.count; ++c) to[4 * c + 3] = fem::radians(to[4 * c + 3]);
@@ -247,7 +239,7 @@ const StepAnswer& PadStepper::move(std::span<const double> pose, bool travel) {
 const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
   State& s = *state_;
   api::with_public_errors([&] {
-    check_numbers("motion", motion.size(), 3 * s.count);
+    host::check_size("motion", motion.size(), 3 * s.count);
     if (s.depths.empty()) throw ValueError("gaps", "none", "given before a motion");
     std::vector<double> to(4 * s.count);
     s.step([&](auto& of) {
@@ -266,8 +258,8 @@ const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
 const StepAnswer& PadStepper::press(std::span<const double> wrench, std::span<const std::uint8_t> mask) {
   State& s = *state_;
   api::with_public_errors([&] {
-    check_numbers("wrench", wrench.size(), 4 * s.count);
-    if (!mask.empty()) check_numbers("mask", mask.size(), s.count);
+    host::check_size("wrench", wrench.size(), 4 * s.count);
+    if (!mask.empty()) host::check_size("mask", mask.size(), s.count);
     s.put_shapes({});
     std::vector<double> to(wrench.begin(), wrench.end());
     for (std::size_t c = 0; c < mask.size(); ++c)

@@ -60,17 +60,12 @@ void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::span<c
   const std::size_t tile = lanes_of_group * interleaved;
   groups = (in_lane.size() + lanes_of_group - 1) / lanes_of_group;
   lanes = (in_lane.size() + tile - 1) / tile * tile;
-  input = {device(), lanes, tile, 1, input_rows};
-  path = {device(), lanes, tile, static_cast<std::size_t>(increments), path_rows};
-  const auto in = input.numbers.map(MapFor::writing), targets = path.numbers.map(MapFor::writing);
-  std::fill(in.view().begin(), in.view().end(), Real(0));  // lanes without a scene run no step
-  std::fill(targets.view().begin(), targets.view().end(), Real(0));
-  for (const std::size_t i : order) {  // for the memory's sake
-    const auto& scene = scenes[i];
-    input.put(in.view(), place[i], std::span(from.inputs).subspan(i * input_rows, input_rows));
-    path.put(targets.view(), place[i],
-             std::span(from.targets).subspan(scene.targets_at * path_rows, scene.increments * path_rows));
-  }
+  input = array(tile, 1, input_rows, 0, [&](std::size_t i) {  // lanes without a scene run no step
+    return std::span(from.inputs).subspan(i * input_rows, input_rows);
+  });
+  path = array(tile, static_cast<std::size_t>(increments), path_rows, 0, [&](std::size_t i) {
+    return std::span(from.targets).subspan(scenes[i].targets_at * path_rows, scenes[i].increments * path_rows);
+  });
 }
 
 namespace {
@@ -116,10 +111,7 @@ std::size_t ContactBatch<Real>::steps_in_all() const {
 
 template <class Real>
 void ContactBatch<Real>::fill_outputs(Real value) {
-  for (const auto* array : {&state_->results, &state_->outputs, &state_->forces, &state_->patches}) {
-    const auto mapped = array->numbers.map(MapFor::writing);
-    std::fill(mapped.view().begin(), mapped.view().end(), value);
-  }
+  for (const auto* array : {&state_->results, &state_->outputs, &state_->forces, &state_->patches}) array->fill(value);
 }
 
 template <class Real>

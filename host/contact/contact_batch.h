@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -126,6 +127,18 @@ class LaneAnswer {
   Numbers results_, stresses_, patch_;
 };
 
+/// The precision of a number's type.
+template <class Real>
+inline constexpr Precision precision_of = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
+
+/// Returns numbers on the device, rounded to its type; one 0 where there are none, for kernels take no empty buffers.
+template <class T>
+Buffer<T> buffer_of(const Device& device, const auto& numbers) {
+  std::vector<T> rounded(std::begin(numbers), std::end(numbers));
+  if (rounded.empty()) rounded.resize(1);
+  return Buffer<T>(device, std::span<const T>(rounded));
+}
+
 /// Numbers of lanes on a device, [lanes / tile][steps][rows][tile]: those of a tile's lanes lie side by side.
 template <class Real>
 struct LaneArray {
@@ -136,9 +149,13 @@ struct LaneArray {
     return ((lane / tile * steps + step) * rows + row) * tile + lane % tile;
   }
   /// Writes the first numbers of a lane.
-  void put(std::span<Real> all, std::size_t lane, std::span<const Real> numbers_of_lane) const {
+  void put(std::span<Real> all, std::size_t lane, const auto& numbers_of_lane) const {
     Real* to = &all[at(lane, 0, 0)];
-    for (const Real number : numbers_of_lane) *to = number, to += tile;
+    for (const auto number : numbers_of_lane) *to = static_cast<Real>(number), to += tile;
+  }
+  const LaneArray& fill(Real number) const {
+    std::ranges::fill(numbers.map(MapFor::writing).view(), number);
+    return *this;
   }
   double read(std::size_t lane, std::size_t step, std::size_t row) const {
     Real value;
@@ -184,6 +201,14 @@ struct LaneState {
   void lay_out(Executor& on, LaneScenes<Real>&& from, std::span<const std::size_t> in_lane, std::size_t lanes_of_group,
                std::size_t interleaved, std::size_t input_rows, std::size_t path_rows);
   const Device& device() const { return executor->device(); }
+  /// Returns numbers of lanes: of_scene(i) of the lane of scene i, then and elsewhere `other`.
+  LaneArray<Real> array(std::size_t tile, std::size_t steps, std::size_t rows, Real other, const auto& of_scene) const {
+    LaneArray<Real> made(device(), lanes, tile, steps, rows);
+    const auto all = made.numbers.map(MapFor::writing);
+    std::ranges::fill(all.view(), other);
+    for (const std::size_t i : order) made.put(all.view(), place[i], of_scene(i));
+    return made;
+  }
 
   Executor* executor = nullptr;
   std::vector<typename LaneScenes<Real>::One> scenes;

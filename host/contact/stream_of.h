@@ -6,14 +6,13 @@
 #include <cstdint>
 #include <functional>
 #include <future>
-#include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "fem/numbers/last_used.h"
 #include "host/contact/contact_batch.h"
 #include "host/contact/lines/sensor_tables.h"
 #include "host/device/executor.h"
@@ -150,12 +149,11 @@ class StreamOf {
     std::map<decltype(Key::sensor), const Sensor*> distinct;
     for (const Sensor& sensor : sensors) distinct.try_emplace(contacts_.key(sensor, {}).sensor, &sensor);
     const std::vector<std::pair<decltype(Key::sensor), const Sensor*>> all(distinct.begin(), distinct.end());
-    most_kept_ = std::max(most_kept_, all.size());
+    kept_.keep_at_least(all.size());
     make_tables(executor_, all.size(), [&](std::size_t k) {
       auto made = contacts_.solver(*all[k].second);
       made->launch();  // which makes what launches need
-      const std::lock_guard lock(turn_);
-      kept_.emplace_front(all[k].first, std::move(made));
+      kept_.get(all[k].first, [&] { return made; });
     });
   }
 
@@ -349,15 +347,7 @@ class StreamOf {
     return groups;
   }
   std::shared_ptr<const Solver> solver(const Key& key, const Sensor& sensor) const {
-    const std::lock_guard lock(turn_);
-    const auto found = std::ranges::find(kept_, key.sensor, [](const auto& kept) { return kept.first; });
-    if (found != kept_.end()) {
-      kept_.splice(kept_.begin(), kept_, found);
-    } else {
-      kept_.emplace_front(key.sensor, contacts_.solver(sensor));
-      if (kept_.size() > most_kept_) kept_.pop_back();
-    }
-    return kept_.front().second;
+    return kept_.get(key.sensor, [&] { return contacts_.solver(sensor); });
   }
 
   static constexpr std::size_t solved_again_at_once = 64;  ///< each may take a second
@@ -366,9 +356,7 @@ class StreamOf {
 
   Executor& executor_;
   Kind contacts_;
-  std::size_t most_kept_ = 16;
-  mutable std::mutex turn_;                                                                  ///< of the next
-  mutable std::list<std::pair<decltype(Key::sensor), std::shared_ptr<const Solver>>> kept_;  ///< the last used first
+  mutable fem::LastUsed<decltype(Key::sensor), std::shared_ptr<const Solver>> kept_{16};
 };
 
 }  // namespace tactel::host

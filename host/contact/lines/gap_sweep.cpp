@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include "fem/gap/accuracy.h"
 #include "fem/gap/contact_laws.h"
+#include "fem/numbers/last_used.h"
 #include "host/contact/lines/gap_sweep_tables.h"
 #include "host/contact/strata.h"
 #include "kernels/shared/contact_layout.h"
@@ -22,11 +22,6 @@ constexpr double window_bins =
 /// thrice. Where a vector takes two cycles loads keep up with one vector: then fewer scenes wait for each other, and
 /// their forces stay near.
 int most_vectors(const Device& device) { return device.info().halves ? 1 : 3; }
-
-template <class Real>
-Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
-  return Buffer<Real>(device, std::span<const Real>(values));
-}
 
 /// The deepest indentation of a path, mm, about: where it is driven by force, on a layer.
 double expected_depth(const fem::Scene& scene, const fem::LoadPath& path) {
@@ -69,16 +64,16 @@ struct GapSweep<Real>::State {
     this->options.tolerance = tolerance;
     this->options.accept = options.accept > 0 ? accept : std::max(accept, 2 * fem::lost_force(condensation));
     const Device& device = executor.device();
-    lanes_of_vector = device.lanes(precision());
-    interleaved = device.interleaved(precision());
-    node = on_device(device, node_table<Real>(condensation.compliance));
+    lanes_of_vector = device.lanes(precision);
+    interleaved = device.interleaved(precision);
+    node = buffer_of<Real>(device, node_table<Real>(condensation.compliance));
     const Eigen::MatrixXd base = base_outputs();
     base_rows = static_cast<int>(base.rows());
     rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
     Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
     outputs.topRows(base_rows) = base;
     if (options.tactels) outputs.bottomRows(rows - base_rows) = condensation.tactel_stress;
-    map = on_device(device, output_table<Real>(outputs));
+    map = buffer_of<Real>(device, output_table<Real>(outputs));
   }
 
   /// Base forces as options want them [rows, 2 columns]: x and y take turns.
@@ -93,7 +88,7 @@ struct GapSweep<Real>::State {
   }
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
-  static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  static constexpr Precision precision = precision_of<Real>;
   /// Returns the vectors of a work-item: one where it holds all scenes, which then do not pay for empty ones.
   int vectors(std::size_t scenes) const {
     return lanes_of_vector == 1 || scenes <= static_cast<std::size_t>(lanes_of_vector)
@@ -101,28 +96,23 @@ struct GapSweep<Real>::State {
                : most_vectors(executor.device());
   }
 
-  const Buffer<Real>& compliance(bool friction) {
-    const std::lock_guard lock(making);
-    auto& table = compliances[friction];
-    if (table.size() == 0)
-      table = on_device(executor.device(), compliance_table<Real>(condensation.compliance, friction));
-    return table;
+  Buffer<Real> compliance(bool friction) {
+    return compliances.get(friction, [&] {
+      return buffer_of<Real>(executor.device(), compliance_table<Real>(condensation.compliance, friction));
+    });
   }
 
-  const Program& program(ContactKind kind, int vectors) {
-    const std::lock_guard lock(making);
-    auto& program = programs[kind.force][kind.friction][vectors > 1];
-    if (!program) {
+  Program program(ContactKind kind, int vectors) {
+    return programs.get({kind, vectors}, [&] {
       const auto text = [](int value) { return std::to_string(value); };
-      program = std::make_unique<Program>(executor.device(), "gap_sweep.cl",
-                                          Defines{{"REAL", real_type(precision())},
-                                                  {"LANES", text(lanes_of_vector)},
-                                                  {"VECTORS", text(vectors)},
-                                                  {"NODES", text(columns())},
-                                                  {"FORCE_CONTROL", text(kind.force)},
-                                                  {"FRICTION", text(kind.friction)}});
-    }
-    return *program;
+      return Program(executor.device(), "gap_sweep.cl",
+                     {{"REAL", real_type(precision)},
+                      {"LANES", text(lanes_of_vector)},
+                      {"VECTORS", text(vectors)},
+                      {"NODES", text(columns())},
+                      {"FORCE_CONTROL", text(kind.force)},
+                      {"FRICTION", text(kind.friction)}});
+    });
   }
 
   fem::ContactSolution solution(const LaneView<Real>& view, std::size_t i) const;
@@ -132,12 +122,11 @@ struct GapSweep<Real>::State {
   GapSweepOptions options;
   fem::Condensation condensation;
   Buffer<Real> node, map;
-  Buffer<Real> compliances[2];  ///< [friction], made at first use
+  fem::LastUsed<bool, Buffer<Real>> compliances{2};  ///< by friction
   int rows = 0, base_rows = 0;
   int lanes_of_vector = 1;
-  int interleaved = 1;                         ///< work-items with their numbers side by side
-  std::unique_ptr<Program> programs[2][2][2];  ///< [force][friction][several vectors]
-  std::mutex making;                           ///< of what is made at first use
+  int interleaved = 1;                                              ///< work-items with their numbers side by side
+  fem::LastUsed<std::pair<ContactKind, int>, Program> programs{8};  ///< by vectors, too
 };
 
 template <class Real>
@@ -249,13 +238,9 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
   scenes.sensors = {state_->sensor};
   b.lay_out(state_->executor, std::move(scenes), order, static_cast<std::size_t>(state_->lanes_of_vector) * vectors,
             state_->interleaved, LANE_INPUT_ROWS, PATH_ROWS);
-  const LaneArray<Real> profile(b.device(), b.lanes, b.input.tile, 1, columns);
-  {
-    const auto all = profile.numbers.map(MapFor::writing);
-    std::fill(all.view().begin(), all.view().end(), Real(far_away));
-    for (std::size_t lane = 0; lane < b.order.size(); ++lane)
-      profile.put(all.view(), lane, std::span(heights).subspan(b.order[lane] * columns, columns));
-  }
+  const LaneArray<Real> profile = b.array(b.input.tile, 1, columns, Real(far_away), [&](std::size_t i) {
+    return std::span(heights).subspan(i * columns, columns);
+  });
   b.more_inputs = {profile};
   b.stresses_from = state_->base_rows;
   const auto outputs = [&](std::size_t rows, bool written = true) {

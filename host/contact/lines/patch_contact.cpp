@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <stdexcept>
 #include <tuple>
 
@@ -11,6 +10,7 @@
 #include "fem/gap/contact_laws.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/mesh/block.h"
+#include "fem/numbers/last_used.h"
 #include "fem/numbers/value_error.h"
 #include "host/contact/lines/patch_contact_tables.h"
 #include "host/contact/strata.h"
@@ -28,9 +28,7 @@ class DeviceTables {
  public:
   DeviceTables(const Device& device, KernelTables&& from) : from_(std::move(from)) {
     for (auto& [name, values] : from_.tables) {
-      std::vector<Real> rounded(values.begin(), values.end());
-      if (rounded.empty()) rounded.resize(1);
-      tables_.emplace_back(name, Buffer<Real>(device, std::span<const Real>(rounded)));
+      tables_.emplace_back(name, buffer_of<Real>(device, values));
       values = {};
     }
   }
@@ -63,8 +61,8 @@ struct PatchContact<Real>::State {
   State(Executor& executor, const fem::PatchOptions& of, KernelTables&& numbers)
       : executor(executor),
         options(of),
-        lanes_of_group(executor.device().lanes(precision())),
-        interleaved_lanes(executor.device().interleaved(precision())),
+        lanes_of_group(executor.device().lanes(precision)),
+        interleaved_lanes(executor.device().interleaved(precision)),
         tactels(numbers.tactels),
         outputs(static_cast<std::size_t>(numbers.outputs)),
         tables(executor.device(), std::move(numbers)) {
@@ -76,37 +74,27 @@ struct PatchContact<Real>::State {
     if (options.most_sweeps == 0) options.most_sweeps = usual_sweeps;
   }
 
-  static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  static constexpr Precision precision = precision_of<Real>;
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
   int force_rows() const { return padded(2 * elements); }
 
   /// The sensors of lanes. Lanes without a scene have thickness 0, which is no sensor.
   LaneArray<Real> sensor_rows(const LaneState<Real>& b) const {
-    LaneArray<Real> array(b.device(), b.lanes, b.input.tile, 1, PATCH_SENSOR_ROWS);
-    const auto rows = array.numbers.map(MapFor::writing);
-    std::fill(rows.view().begin(), rows.view().end(), Real(0));
-    for (std::size_t lane = 0; lane < b.order.size(); ++lane) {
-      const PatchSensor sensor = patch_sensor(*family, b.sensors[b.order[lane]]);
-      const std::vector<Real> numbers(std::begin(sensor.rows), std::end(sensor.rows));
-      array.put(rows.view(), lane, std::span(numbers));
-    }
-    return array;
+    return b.array(b.input.tile, 1, PATCH_SENSOR_ROWS, 0,
+                   [&](std::size_t i) { return std::to_array(patch_sensor(*family, b.sensors[i]).rows); });
   }
 
-  const Program& program(ContactKind kind) {
-    const std::lock_guard lock(making);
-    auto& program = programs[kind.force][kind.friction];
-    if (!program) {
+  Program program(ContactKind kind) {
+    return programs.get(kind, [&] {
       const auto text = [](int value) { return std::to_string(value); };
-      program = std::make_unique<Program>(executor.device(), "patch_contact.cl",
-                                          Defines{{"REAL", real_type(precision())},
-                                                  {"LANES", text(lanes_of_group)},
-                                                  {"ELEMENTS", text(elements)},
-                                                  {"FORCE_CONTROL", text(kind.force)},
-                                                  {"FRICTION", text(kind.friction)},
-                                                  {"SENSORS", text(family.has_value())}});
-    }
-    return *program;
+      return Program(executor.device(), "patch_contact.cl",
+                     {{"REAL", real_type(precision)},
+                      {"LANES", text(lanes_of_group)},
+                      {"ELEMENTS", text(elements)},
+                      {"FORCE_CONTROL", text(kind.force)},
+                      {"FRICTION", text(kind.friction)},
+                      {"SENSORS", text(family.has_value())}});
+    });
   }
 
   fem::ContactSolution solution(const LaneView<Real>& view, std::size_t i) const;
@@ -119,8 +107,7 @@ struct PatchContact<Real>::State {
   DeviceTables<Real> tables;
   std::shared_ptr<const fem::LayerModel> model{};  ///< of the one sensor, or
   std::optional<fem::SensorFamily> family{};       ///< of those of all scenes
-  std::unique_ptr<Program> programs[2][2];         ///< [force][friction]
-  std::mutex making;                               ///< of what is made at first use
+  fem::LastUsed<ContactKind, Program> programs{4};
 };
 
 template <class Real>
@@ -256,8 +243,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
   if (state_->model) scenes.sensors = {state_->model->sensor};
   b.lay_out(state_->executor, std::move(scenes), order, state_->lanes_of_group, state_->interleaved_lanes,
             PATCH_INPUT_ROWS, PATCH_PATH_ROWS);
-  b.shapes = Buffer<Real>(b.device(), std::max<std::size_t>(shape_numbers.size(), 1));
-  std::ranges::copy(shape_numbers, b.shapes.map(MapFor::writing).view().begin());
+  b.shapes = buffer_of<Real>(b.device(), shape_numbers);
   if (state_->family) b.more_inputs = {state_->sensor_rows(b)};
   const auto outputs = [&](std::size_t steps, std::size_t rows, bool written = true) {
     return LaneArray<Real>(b.device(), written ? b.lanes : 0, state_->interleaved_lanes, steps, rows);

@@ -5,10 +5,13 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "fem/pad/pad_solver.h"
 #include "host/contact/contact_batch.h"
+#include "host/contact/pads/pad_lanes.h"
+#include "host/contact/pads/pad_sums.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {
@@ -17,6 +20,10 @@ namespace tactel::host {
 struct PadPath {
   std::vector<fem::PadTarget> steps;
 };
+
+/// What tactels of one launch have in common: numbers along x and y, pitch, size, how many points make one.
+using PadTactels = std::tuple<std::array<int, 2>, std::array<double, 2>, double, int>;
+PadTactels tactels_of(const fem::PadSensor& sensor);
 
 /// What scenes of one launch have in common where sides are free: length, width, thickness (mm), Poisson's ratio; else
 /// 0.
@@ -37,8 +44,22 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
 template <class Real>
 class PadContact {
   struct State;
-  struct Sums;
-  struct Laid;
+  /// What a batch has besides the lanes' arrays.
+  struct Laid : LaneState<Real> {
+    std::shared_ptr<State> contact;
+    std::vector<PadOnCells> on_cells;  ///< [scenes]
+    bool mapped = false;               ///< some scene has a map of friction
+    PadSums<Real> stress, markers;     ///< one behind the other in the outputs
+    Buffer<Real> tables, own_tables;
+    Buffer<std::int32_t> table_of_group;
+    LaneArray<Real> cell_forces;
+    // With free sides:
+    Buffer<Real> between, responses;
+    Buffer<std::int32_t> response_of;
+    LaneArray<Real> softs;
+    std::array<int, 2> nodes{};
+    std::array<double, 2> sides{};  ///< of the block over H
+  };
 
  public:
   /// Throws ValueError for a number of cells that has no program.
@@ -68,15 +89,17 @@ class PadContact {
     /// Returns the answer for scene `i`, in the order of prepare().
     fem::PadSolution solution(const LaneView<Real>& view, std::size_t i) const;
     fem::PadSolution solution(std::size_t i) const { return solution(LaneView<Real>(*this), i); }
-    const fem::PadScene& scene(std::size_t i) const;  ///< as the cells see it (fem::lay_cells)
-    const fem::PadCells& cells(std::size_t i) const;
-    double filled() const;  ///< scenes over lanes
+    /// As the cells see it (fem::lay_cells).
+    const fem::PadScene& scene(std::size_t i) const { return laid_->on_cells.at(i).scene; }
+    const fem::PadCells& cells(std::size_t i) const { return laid_->on_cells.at(i).cells; }
+    /// Scenes over lanes.
+    double filled() const { return static_cast<double>(this->size()) / static_cast<double>(laid_->lanes); }
     /// Leaves out the base stress and the forces of cells: benchmarks time the parts with it.
     void set_parts(bool base_stress);
 
    private:
     friend class PadContact;
-    explicit Batch(std::shared_ptr<Laid> laid);
+    explicit Batch(std::shared_ptr<Laid> laid) : ContactBatch<Real>(laid), laid_(std::move(laid)) {}
     std::shared_ptr<Laid> laid_;
   };
 

@@ -62,6 +62,62 @@ std::array<double, PAD_OWN_INFLUENCE> units(double root_zz, double root_tt) {
   return units;
 }
 
+/// The table of cells of this size that do this to each other.
+PadNumbers table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) {
+  const fem::CellInfluence& own = all.front();
+  const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
+  const auto unit = units(zz, tt);
+  std::vector<double> table(PAD_TABLE_HEAD + all.size() * PAD_OWN_INFLUENCE);
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
+  double* row = &table[PAD_TABLE_HEAD];
+  for (const fem::CellInfluence& c : all) {
+    row[PAD_ZZ] = c.zz, row[PAD_XX] = c.xx, row[PAD_YY] = c.yy, row[PAD_XY] = c.xy;
+    row[PAD_XZ] = c.xz, row[PAD_YZ] = c.yz;
+    for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) row[k] /= unit[k];
+    row += PAD_OWN_INFLUENCE;
+  }
+  return std::make_shared<const std::vector<double>>(std::move(table));
+}
+
+/// The table of cells with x and y exchanged, [side][side] offsets.
+PadNumbers turned(const std::vector<double>& of, int side) {
+  std::vector<double> table = of;
+  std::swap(table[PAD_HX], table[PAD_HY]);
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double* from = &of[PAD_TABLE_HEAD + static_cast<std::size_t>(j * side + i) * PAD_OWN_INFLUENCE];
+      double* to = &table[PAD_TABLE_HEAD + static_cast<std::size_t>(i * side + j) * PAD_OWN_INFLUENCE];
+      std::copy_n(from, PAD_OWN_INFLUENCE, to);
+      std::swap(to[PAD_XX], to[PAD_YY]), std::swap(to[PAD_XZ], to[PAD_YZ]);
+    }
+  return std::make_shared<const std::vector<double>>(std::move(table));
+}
+
+/// A table, and its weight.
+using Weighted = std::pair<double, PadNumbers>;
+
+/// The sum of tables, as that of cells of this size.
+PadNumbers sum(const std::vector<Weighted>& tables, const PadCellSize& size) {
+  std::vector<double> table(tables.front().second->size());
+  const auto each = [&](const auto& change) {
+    for (std::size_t at = PAD_TABLE_HEAD; at < table.size(); at += PAD_OWN_INFLUENCE)
+      for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) change(at + k, k);
+  };
+  for (const auto& [weight, other] : tables) {
+    const double* from = other->data();
+    auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
+    for (double& number : part) number *= weight;
+    each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
+  }
+  const double* own = &table[PAD_TABLE_HEAD];
+  const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
+  auto per = units(zz, tt);
+  for (double& number : per) number = 1 / number;
+  each([&](std::size_t at, int k) { table[at] *= per[k]; });
+  return std::make_shared<const std::vector<double>>(std::move(table));
+}
+
 /// Quadratics of five functions of rho, which are 0 from the last row on.
 template <class Functions>
 std::vector<double> quadratics(int rows, int rows_a_thickness, const Functions& at) {
@@ -110,127 +166,67 @@ std::vector<double> PadTables::stress() const {
   return all;
 }
 
-std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
+PadNumbers PadTables::make_influence(const fem::PadLayer& layer, const PadCellSize& size) const {
   return table_of(
-      means_ ? fem::layer_means(*layer_, 1, size.hx, size.hy, cells_) : layer_->influences(1, size.hx, size.hy, cells_),
+      means_ ? fem::layer_means(layer, 1, size.hx, size.hy, cells_) : layer.influences(1, size.hx, size.hy, cells_),
       size);
 }
 
-std::vector<double> PadTables::table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) const {
-  const fem::CellInfluence& own = all.front();
-  const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
-  const auto unit = units(zz, tt);
-  std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
-  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
-  double* row = &table[PAD_TABLE_HEAD];
-  for (const fem::CellInfluence& c : all) {
-    row[PAD_ZZ] = c.zz, row[PAD_XX] = c.xx, row[PAD_YY] = c.yy, row[PAD_XY] = c.xy;
-    row[PAD_XZ] = c.xz, row[PAD_YZ] = c.yz;
-    for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) row[k] /= unit[k];
-    row += PAD_OWN_INFLUENCE;
-  }
-  return table;
-}
-
-/// Returns the table of cells with x and y exchanged.
-std::vector<double> PadTables::turned(const std::vector<double>& of) const {
-  std::vector<double> table = of;
-  std::swap(table[PAD_HX], table[PAD_HY]);
-  const int side = cells_ + 1;
-  for (int i = 0; i < side; ++i)
-    for (int j = 0; j < side; ++j) {
-      const double* from = &of[PAD_TABLE_HEAD + static_cast<std::size_t>(j * side + i) * PAD_OWN_INFLUENCE];
-      double* to = &table[PAD_TABLE_HEAD + static_cast<std::size_t>(i * side + j) * PAD_OWN_INFLUENCE];
-      std::copy_n(from, PAD_OWN_INFLUENCE, to);
-      std::swap(to[PAD_XX], to[PAD_YY]), std::swap(to[PAD_XZ], to[PAD_YZ]);
-    }
-  return table;
-}
-
-std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
-  const OnLadder x(size.hx), y(size.hy);
-  std::vector<Weighted> rungs;
-  for (std::size_t i = 0; i < x.weights.size(); ++i)
-    for (std::size_t j = 0; j < y.weights.size(); ++j)
-      rungs.emplace_back(x.weights[i] * y.weights[j], on_rungs({x.side(i), y.side(j)}));
-  return sum(rungs, size);
-}
-
-std::vector<double> PadTables::sum(const std::vector<Weighted>& tables, const PadCellSize& size) const {
-  std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
-  const auto each = [&](const auto& change) {
-    for (std::size_t at = PAD_TABLE_HEAD; at < table.size(); at += PAD_OWN_INFLUENCE)
-      for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) change(at + k, k);
-  };
-  for (const auto& [weight, other] : tables) {
-    const double* from = other->data();
-    auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
-    for (double& number : part) number *= weight;
-    each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
-  }
-  const double* own = &table[PAD_TABLE_HEAD];
-  const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
-  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt;
-  table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
-  auto per = units(zz, tt);
-  for (double& number : per) number = 1 / number;
-  each([&](std::size_t at, int k) { table[at] *= per[k]; });
-  return table;
-}
-
-std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size,
-                                                                const fem::SoftObject& object) const {
+PadNumbers PadTables::influence(const PadCellSize& size, const fem::SoftObject& object) const {
   if (!(object.softness > 0)) return of_layer(size);
-  if (means_)
-    return std::make_shared<const std::vector<double>>(
-        table_of(fem::layer_means(layer_->beside(object), 1, size.hx, size.hy, cells_), size));
+  if (means_) return make_influence(layer_->beside(object), size);
   std::vector<fem::CellInfluence> all = object.influences(1, size.hx, size.hy, cells_);
-  const auto layer = of_layer(size);
+  const PadNumbers layer = of_layer(size);
   const auto unit = units((*layer)[PAD_ROOT_ZZ], (*layer)[PAD_ROOT_TT]);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double* row = &(*layer)[PAD_TABLE_HEAD + k * PAD_OWN_INFLUENCE];
     const auto number = [&](int which) { return row[which] * unit[static_cast<std::size_t>(which)]; };
     all[k] += {number(PAD_ZZ), number(PAD_XX), number(PAD_YY), number(PAD_XY), number(PAD_XZ), number(PAD_YZ)};
   }
-  return std::make_shared<const std::vector<double>>(table_of(all, size));
+  return table_of(all, size);
 }
 
-std::shared_ptr<const std::vector<double>> PadTables::of_layer(const PadCellSize& size) const {
+PadNumbers PadTables::of_layer(const PadCellSize& size) const {
+  std::vector<Weighted> tables;
   if (!points_.empty()) {
     const std::vector<double> shares = fem::poisson_shares(rubber_.poisson);
-    std::vector<Weighted> tables;
     for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->of_layer(size));
-    return std::make_shared<const std::vector<double>>(sum(tables, size));
+    return sum(tables, size);
   }
-  if (OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung()) return on_rungs(size);
-  return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
+  const OnLadder x(size.hx), y(size.hy);
+  if (x.on_a_rung() && y.on_a_rung()) return on_rungs(size);
+  if (exact_) return make_influence(*layer_, size);
+  for (std::size_t i = 0; i < x.weights.size(); ++i)
+    for (std::size_t j = 0; j < y.weights.size(); ++j)
+      tables.emplace_back(x.weights[i] * y.weights[j], on_rungs({x.side(i), y.side(j)}));
+  return sum(tables, size);
 }
 
-std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize& size) const {
+PadNumbers PadTables::on_rungs(const PadCellSize& size) const {
   {
     const std::lock_guard lock(making_);
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
   const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
-  auto made =
-      std::make_shared<const std::vector<double>>(turns ? turned(*on_rungs({size.hy, size.hx})) : make_influence(size));
+  const PadNumbers made = turns ? turned(*on_rungs({size.hy, size.hx}), cells_ + 1) : make_influence(*layer_, size);
   const std::lock_guard lock(making_);
   if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;
 }
 
-std::vector<double> PadTables::shared_influence(const PadCellSize& size, const fem::SoftObject& object) const {
-  const int n = cells_, span = 2 * n + 1;
-  const std::shared_ptr<const std::vector<double>> own = influence(size, object);
-  std::vector<double> table(PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * span * span);
+std::vector<double> PadTables::shared_influence(const PadCellSize& size, const fem::SoftObject& object, int nx,
+                                                int ny) const {
+  const int span = 2 * ny + 1;
+  const PadNumbers own = influence(size, object);
+  std::vector<double> table(PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * (2 * nx + 1) * span);
   std::copy_n(own->begin(), PAD_TABLE_HEAD, table.begin());
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j)
+  for (int i = 0; i <= nx; ++i)
+    for (int j = 0; j <= ny; ++j)
       for (const int sx : {-1, 1})
         for (const int sy : {-1, 1}) {  // the place lies at +(sx i, sy j) from the source
-          double* row = &table[PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * ((n - sx * i) * span + n - sy * j)];
-          std::copy_n(&(*own)[PAD_TABLE_HEAD + std::size_t{PAD_OWN_INFLUENCE} * (i * (n + 1) + j)], PAD_OWN_INFLUENCE,
-                      row);
+          double* row = &table[PAD_TABLE_HEAD + std::size_t{PAD_INFLUENCE} * ((nx - sx * i) * span + ny - sy * j)];
+          std::copy_n(&(*own)[PAD_TABLE_HEAD + std::size_t{PAD_OWN_INFLUENCE} * (i * (cells_ + 1) + j)],
+                      PAD_OWN_INFLUENCE, row);
           row[PAD_XY] *= sx * sy, row[PAD_XZ] *= sx, row[PAD_YZ] *= sy;
         }
   return table;
@@ -248,23 +244,25 @@ std::vector<double> displacement_table(double poisson, double depth) {
   });
 }
 
-int TactelPoints::along(const fem::PadSensor& sensor) {
-  const double half = sensor.tactel_size / 2;
-  return half > 0 ? 3 + static_cast<int>(std::ceil(4 * half / sensor.thickness)) : 1;
+double marker_depth(const fem::PadScene& scene) {
+  return scene.markers ? scene.markers->depth / scene.sensor.thickness : 0;
 }
 
-TactelPoints::TactelPoints(const fem::PadSensor& sensor) {
-  const Eigen::MatrixX2d middles = fem::tactel_places(sensor);
-  const double half = sensor.tactel_size / 2;
-  const std::vector<fem::LegendrePoint> points =
-      half > 0 ? fem::legendre_points(along(sensor)) : std::vector<fem::LegendrePoint>{{0, 2}};
-  for (const auto& p : points)
-    for (const auto& q : points) weights.push_back(p.weight * q.weight / 4);
-  places.resize(middles.rows() * static_cast<Eigen::Index>(weights.size()), 2);
-  Eigen::Index k = 0;
-  for (Eigen::Index tactel = 0; tactel < middles.rows(); ++tactel)
-    for (const auto& p : points)
-      for (const auto& q : points) places.row(k++) = middles.row(tactel) + half * Eigen::RowVector2d(p.x, q.x);
+std::shared_ptr<const PadTables> PadRubbers::tables(const fem::Rubber& rubber, bool means) {
+  if (any_poisson_ && !means && rubber.layers.empty()) {
+    std::call_once(once_, [this] {
+      std::vector<std::shared_ptr<const PadTables>> all;
+      for (int k = 0; k < fem::poisson_points; ++k)
+        all.push_back(std::make_shared<const PadTables>(fem::Rubber{fem::poisson_point(k)}, cells_, exact_));
+      points_ = std::move(all);
+    });
+    return std::make_shared<const PadTables>(rubber.poisson, points_);
+  }
+  return tables_.get({rubber, means}, [&] { return std::make_shared<const PadTables>(rubber, cells_, exact_, means); });
+}
+
+std::vector<double> PadRubbers::markers(double poisson, double depth) {
+  return markers_.get({poisson, depth}, [&] { return displacement_table(poisson, depth); });
 }
 
 }  // namespace tactel::host

@@ -4,8 +4,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
+#include "fem/numbers/last_used.h"
 #include "fem/pad/pad_cells.h"
 #include "fem/pad/pad_layer.h"
 #include "fem/pad/pad_scene.h"
@@ -18,6 +20,8 @@ struct PadCellSize {
   auto operator<=>(const PadCellSize&) const = default;
 };
 PadCellSize cell_size(const fem::PadCells& cells, double thickness);
+
+using PadNumbers = std::shared_ptr<const std::vector<double>>;
 
 /// Tables of the pad kernel for one rubber. Threads may use them at once.
 class PadTables {
@@ -39,24 +43,18 @@ class PadTables {
   const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
   /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE]. That of an object is added to the layer's.
-  std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size,
-                                                       const fem::SoftObject& object = {}) const;
-  /// The same as a group shares it: [PAD_TABLE_HEAD], then [2 cells + 1][2 cells + 1][PAD_INFLUENCE].
-  std::vector<double> shared_influence(const PadCellSize& size, const fem::SoftObject& object = {}) const;
+  PadNumbers influence(const PadCellSize& size, const fem::SoftObject& object = {}) const;
+  /// The same as a group shares it, of a grid of nx x ny cells, at most `cells` along a side: [PAD_TABLE_HEAD], then
+  /// [2 nx + 1][2 ny + 1][PAD_INFLUENCE].
+  std::vector<double> shared_influence(const PadCellSize& size, const fem::SoftObject& object, int nx, int ny) const;
   /// [stress_rows, or stress_rows_of layers upon layers][PAD_BLOCK]
   std::vector<double> stress() const;
 
  private:
-  std::shared_ptr<const std::vector<double>> of_layer(const PadCellSize& size) const;
-  std::vector<double> make_influence(const PadCellSize& size) const;
-  std::vector<double> table_of(const std::vector<fem::CellInfluence>& all, const PadCellSize& size) const;
-  std::vector<double> turned(const std::vector<double>& of) const;
-  std::vector<double> between_rungs(const PadCellSize& size) const;
+  PadNumbers of_layer(const PadCellSize& size) const;
+  PadNumbers make_influence(const fem::PadLayer& layer, const PadCellSize& size) const;
   /// The influence of cells with both sides on rungs, which is kept.
-  std::shared_ptr<const std::vector<double>> on_rungs(const PadCellSize& size) const;
-  /// A table, and its weight.
-  using Weighted = std::pair<double, std::shared_ptr<const std::vector<double>>>;
-  std::vector<double> sum(const std::vector<Weighted>& tables, const PadCellSize& size) const;
+  PadNumbers on_rungs(const PadCellSize& size) const;
 
   fem::Rubber rubber_;
   int cells_;
@@ -64,8 +62,8 @@ class PadTables {
   std::vector<std::shared_ptr<const PadTables>> points_;
   std::shared_ptr<const fem::PadLayer> layer_;
   std::vector<double> stress_;
-  mutable std::mutex making_;                                                            ///< of the next
-  mutable std::map<PadCellSize, std::shared_ptr<const std::vector<double>>> influence_;  ///< of the ladder
+  mutable std::mutex making_;                            ///< of the next
+  mutable std::map<PadCellSize, PadNumbers> influence_;  ///< of the ladder
 };
 
 /// Rows of a table of displacements at a depth over H, for each H, and of all: some six within the depth.
@@ -74,15 +72,43 @@ int marker_rows(double depth);
 /// Returns displacements below the surface of a layer by forces on it, E = H = 1, as PadTables::stress has base
 /// stresses: u_z in place of sigma_z, u_x, u_y in place of tau_x, tau_y. [marker_rows][PAD_BLOCK]
 std::vector<double> displacement_table(double poisson, double depth);
+/// Depth of a scene's markers over H; 0: none.
+double marker_depth(const fem::PadScene& scene);
 
-/// Points at which the base stress is computed.
-struct TactelPoints {
-  explicit TactelPoints(const fem::PadSensor& sensor);
-  /// Points along the side of a tactel.
-  static int along(const fem::PadSensor& sensor);
+/// The tables of rubbers, `cells` and `exact` as PadTables. Those used last are kept. Threads may use it at once.
+class PadRubbers {
+ public:
+  /// `any_poisson`: rubbers of one layer have polynomials in Poisson's ratio.
+  PadRubbers(int cells, bool exact, bool any_poisson) : cells_(cells), exact_(exact), any_poisson_(any_poisson) {}
+  std::shared_ptr<const PadTables> tables(const fem::Rubber& rubber, bool means = false);
+  std::vector<double> markers(double poisson, double depth);  ///< displacement_table
 
-  Eigen::MatrixX2d places;      ///< [tactels][points of a tactel] mm
-  std::vector<double> weights;  ///< [points of a tactel]; their sum is 1
+ private:
+  int cells_;
+  bool exact_, any_poisson_;
+  std::once_flag once_;  ///< of the next
+  std::vector<std::shared_ptr<const PadTables>> points_{};
+  fem::LastUsed<std::pair<fem::Rubber, bool>, std::shared_ptr<const PadTables>> tables_{64};
+  fem::LastUsed<std::pair<double, double>, std::vector<double>> markers_{64};  ///< by Poisson's ratio and depth over H
+};
+
+/// Numbers of distinct keys one after another.
+template <class Real, class Key>
+struct Distinct {
+  struct Part {
+    std::size_t first = 0, count = 0;
+  };
+  /// Returns where the numbers of a key lie; make() where it is new.
+  Part take(const Key& key, const auto& make) {
+    const auto [part, is_new] = parts.try_emplace(key);
+    if (!is_new) return part->second;
+    const auto& made = make();
+    part->second = {numbers.size(), made.size()};
+    for (const auto number : made) numbers.push_back(static_cast<Real>(number));
+    return part->second;
+  }
+  std::map<Key, Part> parts{};
+  std::vector<Real> numbers{};
 };
 
 }  // namespace tactel::host

@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <numbers>
 
 #include "fem/numbers/angles.h"
+#include "fem/numbers/last_used.h"
 #include "fem/numbers/overloaded.h"
 #include "fem/pad/pad_layers.h"
-#include "host/device/buffer.h"
-#include "host/device/program.h"
+#include "host/contact/contact_batch.h"
 #include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
@@ -127,25 +125,19 @@ template <class Real>
 struct PadSearch<Real>::State {
   State(Executor& executor, bool any_poisson) : executor(executor), any_poisson(any_poisson) {}
 
-  static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  std::size_t lanes() const { return static_cast<std::size_t>(executor.device().lanes(precision_of<Real>)); }
 
-  const Program& program(bool mirrored) {
-    const std::lock_guard lock(making);
-    auto& program = programs[mirrored];
-    if (!program)
-      program = std::make_unique<Program>(executor.device(), "pad_search.cl",
-                                          Defines{{"REAL", real_type(precision())},
-                                                  {"LANES", std::to_string(executor.device().lanes(precision()))},
-                                                  {"MIRRORED", std::to_string(mirrored)}});
-    return *program;
+  Program program(bool mirrored) {
+    return programs.get(mirrored, [&] {
+      return Program(executor.device(), "pad_search.cl",
+                     {{"REAL", real_type(precision_of<Real>)},
+                      {"LANES", std::to_string(lanes())},
+                      {"MIRRORED", std::to_string(mirrored)}});
+    });
   }
 
   Rest rest(double poisson) {
-    const std::lock_guard lock(making);
-    const auto known = [this](double nu) -> const Rest& {
-      const auto found = rests.find(nu);
-      return found != rests.end() ? found->second : rests.emplace(nu, rest_of(nu)).first->second;
-    };
+    const auto known = [this](double nu) { return rests.get(nu, [nu] { return rest_of(nu); }); };
     if (!any_poisson) return known(poisson);
     const std::vector<double> shares = fem::poisson_shares(poisson);
     Rest sum{};
@@ -157,9 +149,8 @@ struct PadSearch<Real>::State {
 
   Executor& executor;
   bool any_poisson;
-  std::mutex making;  ///< of what is made at first use
-  std::unique_ptr<Program> programs[2];
-  std::map<double, Rest> rests;  ///< by Poisson's ratio
+  fem::LastUsed<bool, Program> programs{2};
+  fem::LastUsed<double, Rest> rests{256};  ///< by Poisson's ratio
 };
 
 template <class Real>
@@ -167,83 +158,57 @@ PadSearch<Real>::PadSearch(Executor& executor, bool any_poisson)
     : state_(std::make_shared<State>(executor, any_poisson)) {}
 
 template <class Real>
-std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene> scenes,
-                                                  std::span<const double> depths) const {
-  std::vector<const fem::PadScene*> all;
-  all.reserve(scenes.size());
-  for (const fem::PadScene& scene : scenes) all.push_back(&scene);
-  return find(all, depths);
-}
-
-template <class Real>
 std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene* const> scenes,
                                                   std::span<const double> depths) const {
   const auto forced = [&](std::size_t i) { return depths.empty() && by_force(*scenes[i]); };
-  // Scenes of one program, and those that are driven by force, side by side.
-  std::array<std::vector<std::size_t>, 2> order;  // not mirrored, mirrored
-  for (const bool force : {true, false})
-    for (std::size_t i = 0; i < scenes.size(); ++i)
-      if (forced(i) == force) order[mirrored(scenes[i]->indenter)].push_back(i);
-  const auto target = [&](std::size_t i) {
-    const fem::PadLoad& load = scenes[i]->load;
-    return !depths.empty() ? depths[i] : fem::largest_normal(load);
-  };
-
+  const auto target = [&](std::size_t i) { return !depths.empty() ? depths[i] : fem::largest_normal(scenes[i]->load); };
   const Device& device = state_->executor.device();
-  const auto lanes = static_cast<std::size_t>(device.lanes(State::precision()));
-  Maps<Real> maps;
-  std::array<Buffer<Real>, 2> inputs, outputs;
-  std::array<Buffer<std::int32_t>, 2> map_at;
-  for (const bool kind : {false, true}) {
-    const std::size_t groups = (order[kind].size() + lanes - 1) / lanes;
-    inputs[kind] = Buffer<Real>(device, groups * lanes * PAD_SEARCH_ROWS);
-    outputs[kind] = Buffer<Real>(device, groups * lanes * PAD_FOUND_ROWS);
-    map_at[kind] = Buffer<std::int32_t>(device, groups * lanes);
-    if (groups == 0) continue;
-    const auto input = inputs[kind].map(MapFor::writing);
-    const auto at = map_at[kind].map(MapFor::writing);
-    std::fill(input.view().begin(), input.view().end(), Real(0));
-    std::fill(at.view().begin(), at.view().end(), 0);
-    for (std::size_t lane = 0; lane < order[kind].size(); ++lane) {
-      const fem::PadScene& scene = *scenes[order[kind][lane]];
-      const double H = scene.sensor.thickness, nu = scene.sensor.poisson;
-      const bool force = forced(order[kind][lane]);
-      Rows rows{};
-      rows[PAD_SEARCH_BY_FORCE] = force;
-      rows[PAD_SEARCH_TARGET] = target(order[kind][lane]) / (force ? scene.sensor.young * H * H : H);
-      const double normal = 1 - nu * nu, both = normal + fem::soft_object(scene.sensor, scene.indenter).normal();
-      rows[PAD_SEARCH_NORMAL_FACTOR] = both / std::numbers::pi;
-      put_shape(scene.indenter, H, rows);
-      if (const auto* map = std::get_if<fem::HeightMap>(&scene.indenter.shape)) at[lane] = maps.place(*map);
-      std::ranges::transform(state_->rest(nu), rows.begin() + PAD_SEARCH_REST,
-                             [&](double of_layer) { return of_layer * (normal / both); });
-      for (std::size_t row = 0; row < rows.size(); ++row)
-        input[(lane / lanes * PAD_SEARCH_ROWS + row) * lanes + lane % lanes] = static_cast<Real>(rows[row]);
-    }
-  }
-  maps.numbers.resize(std::max<std::size_t>(maps.numbers.size(), 1));
-  const Buffer<Real> heights(device, std::span<const Real>(maps.numbers));
-  for (const bool kind : {false, true}) {  // one by one: each may run beside another batch's
-    if (order[kind].empty()) continue;
-    const auto bind = [&](KernelArguments& kernel) {
-      kernel.set("lane_input", inputs[kind]);
-      kernel.set("maps", heights);
-      kernel.set("map_at", map_at[kind]);
-      kernel.set("found", outputs[kind]);
-    };
-    const Launch launch = state_->executor.prepare(state_->program(kind), "pad_search", bind);
-    state_->executor.run(launch, (order[kind].size() + lanes - 1) / lanes);
-  }
-
+  const std::size_t lanes = state_->lanes();
   std::vector<fem::PadSearch> found(scenes.size());
-  for (const bool kind : {false, true}) {
-    if (order[kind].empty()) continue;
-    const auto output = outputs[kind].map(MapFor::reading);
-    for (std::size_t lane = 0; lane < order[kind].size(); ++lane) {
-      const std::size_t i = order[kind][lane];
-      const auto number = [&](int row) {
-        return static_cast<double>(output[(lane / lanes * PAD_FOUND_ROWS + row) * lanes + lane % lanes]);
-      };
+  for (const bool kind : {false, true}) {  // one by one: each may run beside another batch's
+    // Scenes of one program, those that are driven by force side by side.
+    std::vector<std::size_t> order;
+    for (const bool force : {true, false})
+      for (std::size_t i = 0; i < scenes.size(); ++i)
+        if (mirrored(scenes[i]->indenter) == kind && forced(i) == force) order.push_back(i);
+    if (order.empty()) continue;
+    const std::size_t groups = (order.size() + lanes - 1) / lanes;
+    const LaneArray<Real> input(device, groups * lanes, lanes, 1, PAD_SEARCH_ROWS);
+    const LaneArray<Real> output(device, groups * lanes, lanes, 1, PAD_FOUND_ROWS);
+    std::vector<std::int32_t> map_at(groups * lanes);
+    Maps<Real> maps;
+    {
+      const auto all = input.numbers.map(MapFor::writing);
+      std::ranges::fill(all.view(), Real(0));
+      for (std::size_t lane = 0; lane < order.size(); ++lane) {
+        const fem::PadScene& scene = *scenes[order[lane]];
+        const double H = scene.sensor.thickness, nu = scene.sensor.poisson;
+        const bool force = forced(order[lane]);
+        Rows rows{};
+        rows[PAD_SEARCH_BY_FORCE] = force;
+        rows[PAD_SEARCH_TARGET] = target(order[lane]) / (force ? scene.sensor.young * H * H : H);
+        const double normal = 1 - nu * nu, both = normal + fem::soft_object(scene.sensor, scene.indenter).normal();
+        rows[PAD_SEARCH_NORMAL_FACTOR] = both / std::numbers::pi;
+        put_shape(scene.indenter, H, rows);
+        if (const auto* map = std::get_if<fem::HeightMap>(&scene.indenter.shape)) map_at[lane] = maps.place(*map);
+        std::ranges::transform(state_->rest(nu), rows.begin() + PAD_SEARCH_REST,
+                               [&](double of_layer) { return of_layer * (normal / both); });
+        input.put(all.view(), lane, rows);
+      }
+    }
+    const Buffer<Real> heights = buffer_of<Real>(device, maps.numbers);
+    const Buffer<std::int32_t> at = buffer_of<std::int32_t>(device, map_at);
+    state_->executor.run(state_->program(kind), "pad_search", groups, [&](KernelArguments& kernel) {
+      kernel.set("lane_input", input.numbers);
+      kernel.set("maps", heights);
+      kernel.set("map_at", at);
+      kernel.set("found", output.numbers);
+    });
+
+    const auto all = output.numbers.map(MapFor::reading);
+    for (std::size_t lane = 0; lane < order.size(); ++lane) {
+      const std::size_t i = order[lane];
+      const auto number = [&](std::size_t row) { return static_cast<double>(all[output.at(lane, 0, row)]); };
       const fem::PadBox edges = fem::pad_edges(scenes[i]->indenter.shape);
       const double H = scenes[i]->sensor.thickness;
       found[i].contact = {

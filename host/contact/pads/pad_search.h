@@ -22,7 +22,11 @@ class PadSearch {
   /// cell of the search beside the twin's.
   std::vector<fem::PadSearch> find(std::span<const fem::PadScene* const> scenes,
                                    std::span<const double> depths = {}) const;
-  std::vector<fem::PadSearch> find(std::span<const fem::PadScene> scenes, std::span<const double> depths = {}) const;
+  std::vector<fem::PadSearch> find(std::span<const fem::PadScene> scenes, std::span<const double> depths = {}) const {
+    std::vector<const fem::PadScene*> all;
+    for (const fem::PadScene& scene : scenes) all.push_back(&scene);
+    return find(all, depths);
+  }
 
  private:
   struct State;

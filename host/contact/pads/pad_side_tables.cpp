@@ -5,72 +5,51 @@
 #include <span>
 #include <utility>
 
-#include "host/contact/pads/pad_contact_tables.h"
+#include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
-namespace {
-
-constexpr std::size_t most_blocks = 8, most_responses = 64;  ///< that are kept
-
-}  // namespace
-
 template <class Real>
 Buffer<Real> PadSideTables<Real>::between(const fem::PadSides& sides) {
-  const std::lock_guard lock(turn_);
-  const auto found = std::ranges::find(blocks_, sides.kernel, &Block::kernel);
-  if (found != blocks_.end()) {
-    blocks_.splice(blocks_.begin(), blocks_, found);
-    return blocks_.front().between;
-  }
-  // Of zn zx zy xx xy xn yx yy yn: by and to which component (x, y, z), and the sign of a pressure in place of a force.
-  constexpr int to[] = {2, 2, 2, 0, 0, 0, 1, 1, 1}, by[] = {2, 0, 1, 0, 1, 2, 0, 1, 2};
-  constexpr double sign[] = {1, -1, -1, 1, 1, 1, 1, 1, 1};
-  const Eigen::MatrixXd& all = sides.kernel->displacement();
-  const Eigen::Index nodes = all.rows() / 3;
-  std::vector<Real> numbers(static_cast<std::size_t>(nodes * nodes) * PAD_BLOCK);
-  auto entry = numbers.begin();
-  for (Eigen::Index i = 0; i < nodes; ++i)
-    for (Eigen::Index j = 0; j < nodes; ++j, entry += PAD_BLOCK)
-      for (int k = 0; k < 9; ++k) entry[k] = static_cast<Real>(sign[k] * all(3 * i + to[k], 3 * j + by[k]));
-  blocks_.push_front({sides.kernel, Buffer<Real>(device_, std::span<const Real>(numbers))});
-  if (blocks_.size() > most_blocks) blocks_.pop_back();
-  return blocks_.front().between;
+  return blocks_.get(sides.kernel, [&] {
+    // Of zn zx zy xx xy xn yx yy yn: by and to which component (x, y, z), and the sign of a pressure in place of a
+    // force.
+    constexpr int to[] = {2, 2, 2, 0, 0, 0, 1, 1, 1}, by[] = {2, 0, 1, 0, 1, 2, 0, 1, 2};
+    constexpr double sign[] = {1, -1, -1, 1, 1, 1, 1, 1, 1};
+    const Eigen::MatrixXd& all = sides.kernel->displacement();
+    const Eigen::Index nodes = all.rows() / 3;
+    std::vector<Real> numbers(static_cast<std::size_t>(nodes * nodes) * PAD_BLOCK);
+    auto entry = numbers.begin();
+    for (Eigen::Index i = 0; i < nodes; ++i)
+      for (Eigen::Index j = 0; j < nodes; ++j, entry += PAD_BLOCK)
+        for (int k = 0; k < 9; ++k) entry[k] = static_cast<Real>(sign[k] * all(3 * i + to[k], 3 * j + by[k]));
+    return Buffer<Real>(device_, std::span<const Real>(numbers));
+  });
 }
 
 template <class Real>
 std::shared_ptr<const std::vector<Real>> PadSideTables<Real>::response(const fem::PadSensor& sensor,
                                                                        const fem::PadSides& sides) {
-  const auto same = [&](const Response& of) {
-    return of.kernel == sides.kernel && of.middle == sides.middle && of.sensor.tactels == sensor.tactels &&
-           of.sensor.pitch == sensor.pitch && of.sensor.tactel_size == sensor.tactel_size &&
-           of.sensor.thickness == sensor.thickness;
-  };
-  const std::lock_guard lock(turn_);
-  const auto found = std::ranges::find_if(responses_, same);
-  if (found != responses_.end()) {
-    responses_.splice(responses_.begin(), responses_, found);
-    return responses_.front().numbers;
-  }
-  const TactelPoints points(sensor);
-  const auto parts = static_cast<Eigen::Index>(points.weights.size()), tactels = points.places.rows() / parts;
-  const Eigen::Index rows = sides.kernel->displacement().rows(),
-                     width = (3 * tactels + PAD_BLOCK - 1) / PAD_BLOCK * PAD_BLOCK;
-  std::vector<Real> numbers(static_cast<std::size_t>(rows * width));
-  for (Eigen::Index tactel = 0; tactel < tactels; ++tactel) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, rows);
-    for (Eigen::Index p = 0; p < parts; ++p) {
-      const Eigen::Vector2d at = sides.in_block(points.places.row(tactel * parts + p).transpose());
-      sum += points.weights[static_cast<std::size_t>(p)] * sides.base->stress(at[0], at[1]);
+  const Place place(sides.kernel, sides.middle[0], sides.middle[1], sensor.tactels, sensor.pitch, sensor.tactel_size,
+                    sensor.thickness);
+  return responses_.get(place, [&] {
+    const fem::TactelPoints points(sensor);
+    const auto parts = static_cast<Eigen::Index>(points.weights.size()), tactels = points.places.rows() / parts;
+    const Eigen::Index rows = sides.kernel->displacement().rows(),
+                       width = (3 * tactels + PAD_BLOCK - 1) / PAD_BLOCK * PAD_BLOCK;
+    std::vector<Real> numbers(static_cast<std::size_t>(rows * width));
+    for (Eigen::Index tactel = 0; tactel < tactels; ++tactel) {
+      Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, rows);
+      for (Eigen::Index p = 0; p < parts; ++p) {
+        const Eigen::Vector2d at = sides.in_block(points.places.row(tactel * parts + p).transpose());
+        sum += points.weights[static_cast<std::size_t>(p)] * sides.base->stress(at[0], at[1]);
+      }
+      for (Eigen::Index m = 0; m < rows; ++m)
+        for (Eigen::Index r = 0; r < 3; ++r)
+          numbers[static_cast<std::size_t>(m * width + r * tactels + tactel)] = static_cast<Real>(sum(r, m));
     }
-    for (Eigen::Index m = 0; m < rows; ++m)
-      for (Eigen::Index r = 0; r < 3; ++r)
-        numbers[static_cast<std::size_t>(m * width + r * tactels + tactel)] = static_cast<Real>(sum(r, m));
-  }
-  responses_.push_front(
-      {sides.kernel, sensor, sides.middle, std::make_shared<const std::vector<Real>>(std::move(numbers))});
-  if (responses_.size() > most_responses) responses_.pop_back();
-  return responses_.front().numbers;
+    return std::make_shared<const std::vector<Real>>(std::move(numbers));
+  });
 }
 
 template <class Real>

@@ -3,8 +3,10 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <tuple>
 #include <vector>
 
+#include "fem/numbers/last_used.h"
 #include "fem/pad/side_kernel.h"
 #include "host/device/buffer.h"
 
@@ -28,25 +30,15 @@ class PadSideTables {
   std::shared_ptr<const Buffer<Real>> borrow(std::size_t size);
 
  private:
-  struct Block {
-    std::shared_ptr<const fem::SideKernel> kernel;
-    Buffer<Real> between;
-  };
-  struct Response {
-    std::shared_ptr<const fem::SideKernel> kernel;
-    fem::PadSensor sensor;
-    Eigen::Vector2d middle;
-    std::shared_ptr<const std::vector<Real>> numbers;
-  };
+  using Kernel = std::shared_ptr<const fem::SideKernel>;
+  /// Kernel, middle of the block, tactels, pitch, their size, thickness.
+  using Place = std::tuple<Kernel, double, double, std::array<int, 2>, std::array<double, 2>, double, double>;
 
   const Device device_;
-  std::mutex turn_;                ///< of all below
-  std::list<Block> blocks_;        ///< the last used first
-  std::list<Response> responses_;  ///< the last used first
+  fem::LastUsed<Kernel, Buffer<Real>> blocks_{8};
+  fem::LastUsed<Place, std::shared_ptr<const std::vector<Real>>> responses_{64};
+  std::mutex turn_;  ///< of the next
   std::list<std::unique_ptr<const Buffer<Real>>> free_;
 };
-
-extern template class PadSideTables<float>;
-extern template class PadSideTables<double>;
 
 }  // namespace tactel::host

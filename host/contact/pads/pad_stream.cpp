@@ -90,13 +90,13 @@ PadContacts::PadContacts(Executor& executor, const PadModel& model)
     : contact_(model.precision == Precision::fp32 ? decltype(contact_)(PadContact<float>(executor, model.options))
                                                   : decltype(contact_)(PadContact<double>(executor, model.options))) {}
 
-PadKey PadContacts::key(const fem::PadSensor& s, ContactKind) {
-  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s), free_block(s)}};
+PadKey PadContacts::key(const fem::PadSensor& sensor, ContactKind) {
+  return {{tactels_of(sensor), free_block(sensor)}};
 }
 
 PadKey PadContacts::key(const fem::PadScene& scene) {
   PadKey key = PadContacts::key(scene.sensor, {});
-  if (scene.markers) key.markers = {scene.markers->depth / scene.sensor.thickness, fem::marker_places(*scene.markers)};
+  if (scene.markers) key.markers = {marker_depth(scene), fem::marker_places(*scene.markers)};
   return key;
 }
 

@@ -21,10 +21,9 @@ struct PadModel {
 };
 PadModel model_of(const PadRung& rung);
 
-/// What scenes of one launch have in common: the tactels, how many points make one, and free_block; where their
-/// markers lie, over the thickness.
+/// What scenes of one launch have in common: the tactels, and free_block; where their markers lie, over the thickness.
 struct PadKey {
-  std::tuple<std::array<int, 2>, std::array<double, 2>, double, int, std::array<double, 4>> sensor{};
+  std::pair<PadTactels, std::array<double, 4>> sensor{};
   std::pair<double, std::vector<std::array<double, 2>>> markers{};
   auto operator<=>(const PadKey&) const = default;
 };
