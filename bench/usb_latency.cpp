@@ -100,7 +100,7 @@ class Sender {
   std::chrono::nanoseconds period() const { return period_; }
   const host::LatencyHistogram& lateness() const { return lateness_; }
 
-  void make(std::size_t packet, hw::testing::ByteVector& bytes) {
+  void make(std::size_t packet, hw::tests::ByteVector& bytes) {
     const std::int64_t now = nanoseconds();
     if (packet == 0) start_ = now;
     lateness_.add(1e-3 * static_cast<double>(now - start_ - static_cast<std::int64_t>(packet) * period_.count()));
@@ -188,7 +188,7 @@ int run(const Options& options) {
   Times times;
   Sender sender(options);
   host::LiveMonitor monitor(model, profile(), {});
-  hw::testing::EmulatedDevice device(hw::testing::fast_kind());
+  hw::tests::EmulatedDevice device(hw::tests::fast_kind());
   const auto source = hw::open_usb(profile().usb);
   std::atomic<bool> done{false};
   std::thread busy([&] {
@@ -199,7 +199,7 @@ int run(const Options& options) {
   });
   host::ProgressLine progress("latency", "s", false);
   device.send_by_clock(sender.period(), device_queue,
-                       [&](std::size_t i, hw::testing::ByteVector& bytes) { sender.make(i, bytes); });
+                       [&](std::size_t i, hw::tests::ByteVector& bytes) { sender.make(i, bytes); });
   const host::MonitorSummary summary = monitor.run(*source, make_events(options, answers, times, progress));
   device.stop_clock();
   done = true;

@@ -24,8 +24,6 @@
 #include "tests/host/networks/bounded_model.h"
 #include "tests/scratch.h"
 
-namespace live_test {
-
 // Every allocation of the program is counted, those inside the libraries too.
 static std::atomic<long> allocations = 0;
 [[gnu::noinline]] void* operator new(std::size_t size) {
@@ -35,6 +33,8 @@ static std::atomic<long> allocations = 0;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace live_test {
 
 using namespace tactel;
 
