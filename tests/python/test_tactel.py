@@ -631,19 +631,27 @@ class SetsAndNetworks(unittest.TestCase):
                 self.assertTrue(saved.read_bytes() == there.read_bytes())
 
     def test_batches_of_several_processes_are_not_the_same(self):
-        read, write = os.pipe()
-        child = os.fork()
-        if child == 0:
-            try:
-                self.sweep.batches(10)
-            except tactel.InputError as error:
-                os.write(write, str(error).encode())
-            self.sweep.batches(10, seed=4), self.sweep.batches(10, first=0)
-            os._exit(0)
-        os.close(write)
-        with os.fdopen(read) as said:
-            self.assertIn("each would draw the same contacts", said.read())
-        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        code = f"""if True:
+            import os, tactel
+            sweep = tactel.Sweep({str(self.path)!r})
+            child = os.fork()
+            if child:
+                tactel.devices()
+                if os.fork():
+                    os.wait(), os.wait()
+                else:
+                    tactel.devices()
+            else:
+                try:
+                    sweep.batches(10)
+                except tactel.InputError as error:
+                    print(error, flush=True)
+                sweep.batches(10, seed=4), sweep.batches(10, first=0)
+                print("drawn")
+        """
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        self.assertRegex(done.stdout, "each would draw the same contacts.*\ndrawn\n")
+        self.assertIn("fork: the threads of OpenCL stay in the process that was forked; start processes anew", done.stderr)
         workers = mock.Mock(get_worker_info=lambda: mock.Mock(num_workers=2))
         with mock.patch.dict("sys.modules", {"torch.utils.data": workers}), self.assertRaises(tactel.InputError):
             self.sweep.batches(10)
