@@ -338,11 +338,12 @@ class Networks(unittest.TestCase):
         frames = np.asarray(rows.frames, np.float32)
         mirrored = frames.reshape(-1, 3, 4, 4)[:, :, :, ::-1].copy()
         mirrored[:, 1] *= -1  # tau_x
-        for features, topology in (("pad", "66-8-1"), ("frame", "48-8-1")):
-            (network,) = tactel.train(rows, (48, 8, 1), scaling="frame", features=features, cycles=2)
-            self.assertEqual(network.topology, topology)
-            same = np.array_equal(network.estimator(frames), network.estimator(mirrored.reshape(-1, 48)))
-            self.assertEqual(same, features == "pad")
+        (network,) = tactel.train(rows, (48, 8, 1), scaling="frame", features="pad", cycles=2)
+        self.assertEqual(network.topology, "66-8-1")
+        answers = network.estimator(frames)
+        np.testing.assert_array_equal(network.estimator(mirrored.reshape(-1, 48)), answers)
+        mirrored[:, 1] *= -1  # a mirror image with the shear of the other side
+        self.assertFalse(np.array_equal(network.estimator(mirrored.reshape(-1, 48)), answers))
         with self.assertRaisesRegex(tactel.InputError, "must be frame"):
             tactel.train(rows, (48, 8, 1), features="pad")
 
@@ -384,11 +385,11 @@ class Solve(unittest.TestCase):
         self.assertLessEqual(path.residual.max(), 1e-6)
 
     def test_tactels_side_by_side_bear_the_forces(self):
-        """Squares of 0.5 mm over 28 x 28 mm of a pad 2 mm thick measure what the rubber bears at its base: the stress
+        """Squares of 1 mm over 28 x 28 mm of a pad 2 mm thick measure what the rubber bears at its base: the stress
         falls like exp(-0.74 r / H) or faster; 0.2 % of P and 0.6 % of Q lie beyond."""
-        sensor = tactel.Pad(tactels=(56, 56), pitch=0.5, tactel_size=0.5, thickness=2.0, young=1.0)
+        sensor = tactel.Pad(tactels=(28, 28), pitch=1.0, tactel_size=1.0, thickness=2.0, young=1.0)
         path = tactel.solve(SPHERE.with_(sensor=sensor))
-        total = lambda stress: stress.sum(axis=(1, 2)) * 0.25  # noqa: E731
+        total = lambda stress: stress.sum(axis=(1, 2))  # noqa: E731
         np.testing.assert_allclose(-total(path.tactels.normal), path.P, rtol=1e-2)
         np.testing.assert_allclose(total(path.tactels.shear_x), path.Q[:, 0], atol=1e-2 * path.Q.max())
         np.testing.assert_allclose(total(path.tactels.shear_y), path.Q[:, 1], atol=1e-2 * path.Q.max())
