@@ -70,7 +70,7 @@ class Values(unittest.TestCase):
             scene.with_(sensor=tactel.Pad(thickness=3.0, layers=layers)).validate()
         with self.assertRaisesRegex(tactel.InputError, "sides are free"):
             scene.with_(sensor=pad.with_(length=20.0, width=20.0)).validate()
-        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25)
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=12, cell=1 / 3)
         steps.shapes(tactel.Sphere(8.0))
         pressed = tactel.solve(scene.with_(load=tactel.Press(0.2)), precision="fp64").P[-1]
         self.assertAlmostEqual(steps.move([[0.2, 0, 0, 0]]).force[0, 0] / pressed, 1, delta=0.03)
@@ -109,7 +109,7 @@ class Values(unittest.TestCase):
         """Below the middle of a ball that sticks they move with it, nearly; a step by cells of a scene is the scene."""
         pad = SPHERE.sensor
         markers = tactel.Markers((5, 3), 0.6, 0.2)
-        steps = tactel.PadStepper(pad, 2, 1.0, cells=16, cell=0.25, markers=markers, camera=tactel.Camera(20.0, 10.0))
+        steps = tactel.PadStepper(pad, 2, 1.0, cells=12, cell=1 / 3, markers=markers, camera=tactel.Camera(20.0, 10.0))
         again = pickle.loads(pickle.dumps(steps))
         scene = SPHERE.with_(indenter=tactel.Sphere(8.0), friction=1.0, markers=markers, load=tactel.Press(0.2).drag((0.03, 0.02), 1))
         path = tactel.solve(scene, precision="fp64")
@@ -124,7 +124,7 @@ class Values(unittest.TestCase):
             self.assertEqual(out.pixels.shape, (2, 15, 2))
             with self.assertRaisesRegex(tactel.InputError, "before the next step"):
                 pressed.markers
-        plain = tactel.PadStepper(pad, 1, 1.0, cells=16, cell=0.25)
+        plain = tactel.PadStepper(pad, 1, 1.0, cells=12, cell=1 / 3)
         plain.shapes(tactel.Sphere(8.0))
         self.assertEqual(plain.move([[0.2, 0, 0, 0]]).markers.shape, (1, 0, 3))
         with self.assertRaisesRegex(tactel.InputError, "camera"):
@@ -186,10 +186,10 @@ class Values(unittest.TestCase):
     def test_steps_that_creep(self):
         pad = SPHERE.sensor.with_(relaxation=[(0.2, 0.5), (0.1, 5.0)])
         self.assertEqual(pad.relaxation, [[0.2, 0.5], [0.1, 5.0]])
-        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25, dt=0.0, precision="fp64")
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=12, cell=1 / 3, dt=0.0, precision="fp64")
         steps.shapes(tactel.Sphere(8.0))
         first = float(steps.move([[0.2, 0, 0, 0]]).force[0, 0])
-        elastic = tactel.PadStepper(SPHERE.sensor, 1, 0.5, cells=16, cell=0.25, precision="fp64")
+        elastic = tactel.PadStepper(SPHERE.sensor, 1, 0.5, cells=12, cell=1 / 3, precision="fp64")
         elastic.shapes(tactel.Sphere(8.0))
         self.assertAlmostEqual(first, float(elastic.move([[0.2, 0, 0, 0]]).force[0, 0]), delta=1e-6 * first)
         steps.set_dt(1.0)
@@ -218,7 +218,7 @@ class Values(unittest.TestCase):
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""
         scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))
-        steps = tactel.PadStepper(PAD, 1, 0.5, cells=16, cell=0.25, object_young=2.0, object_poisson=0.3)
+        steps = tactel.PadStepper(PAD, 1, 0.5, cells=12, cell=1 / 3, object_young=2.0, object_poisson=0.3)
         steps.shapes(tactel.Sphere(8.0))
         out = steps.move([[0.2, 0, 0, 0]])
         self.assertAlmostEqual(out.force[0, 0] / tactel.solve(scene, precision="fp64").P[0], 1, delta=0.02)
@@ -350,7 +350,7 @@ class Networks(unittest.TestCase):
 
 class Solve(unittest.TestCase):
     def test_equals_the_program(self):
-        for name in ("pad.toml", "pad_twist.toml"):
+        for name in ("pad_twist.toml",):  # Answers of test_tactel have pad.toml
             file = str(ROOT / "examples" / name)
             answer = json.loads(subprocess.run([PROGRAM, "solve", file, "--json", "-"], check=True, capture_output=True,
                                                text=True).stdout)
