@@ -347,8 +347,9 @@ TEST_F(PadSet, EveryContactHasItsOwnPoissonsRatio) {
   }
 }
 
-/// Markers have a quadrature of each cell. Even points miss 1 / (12 n^2) of its second moment, which leaves 0.6 % where
-/// n is 3, and waves as long as they are apart, 0.3 %: together 1 % of the largest displacement.
+/// Markers have a quadrature of each cell, of even points no farther apart than the markers are deep, three or more.
+/// Over a half-space a lone cell's miss 2.4 % of its largest at most, an equal pressure on 4 x 4 cells 0.22 %. Contacts
+/// lie between: 1 %.
 TEST_F(PadSet, MarkersMoveAsTheForcesOfSolveSay) {
   double farthest = 0;
   for (const char* depth : {"0.04", "0.3"}) {
