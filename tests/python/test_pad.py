@@ -182,6 +182,10 @@ class Values(unittest.TestCase):
         for wrong in (mu.T, mu[:2], np.full((3, 144), -0.1), np.full(144, 0.5)):
             with self.assertRaisesRegex(tactel.InputError, "friction"):
                 steps.set_friction(wrong)
+        for turned in (mu.T, mu.T.reshape(12, 12, 3)):
+            for call in (steps.set_friction, lambda mu: tactel.PadStepper(SPHERE.sensor, 3, mu, cells=12, cell=0.3)):
+                with self.assertRaisesRegex(tactel.InputError, r"friction.*\[3, 144\]"):
+                    call(turned)
 
     def test_steps_that_creep(self):
         pad = SPHERE.sensor.with_(relaxation=[(0.2, 0.5), (0.1, 5.0)])

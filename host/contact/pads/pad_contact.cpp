@@ -605,7 +605,7 @@ void PadContact<Real>::State::take_stress(Laid& b) {
 }
 
 /// Displacements of the scenes' markers, behind the stresses of the tactels. Points lie evenly over a cell, as near
-/// to each other as the markers to the surface: so sums miss 1 % of the largest at most. Shallower markers have none.
+/// to each other as the markers to the surface: a lone cell's miss 3 % of its own there. Shallower markers have none.
 template <class Real>
 void PadContact<Real>::State::take_markers(Laid& b) {
   constexpr double least_depth = 0.02;

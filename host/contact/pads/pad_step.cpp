@@ -648,7 +648,7 @@ void PadStepper<Real>::set_friction(std::span<const double> friction) {
   const std::size_t each = all.size() == count() * s.cell_count() ? s.cell_count() : 1;
   check_size("friction", all.size(), each * count());
   for (const double mu : all)
-    if (!(mu >= 0) || !std::isfinite(mu)) throw ValueError("friction", fmt::format("{}", mu), "0 or more");
+    if (!(mu >= 0 && mu <= 1e6)) throw ValueError("friction", fmt::format("{}", mu), "0 to 1e6");
   if (each > 1 && !s.mapped) s.take_map();
   const auto input = s.input.map();
   for (std::size_t c = 0; c < count(); ++c) {
