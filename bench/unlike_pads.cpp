@@ -138,7 +138,8 @@ UnlikePad unlike_layered_pad(unsigned seed, int k) {
     layer.thickness = sensor.thickness * (0.1 + (1 - 0.1 * count) * layer.thickness / all);
     soft += layer.thickness / layer.young / sensor.thickness;
   }
-  sensor.poisson = sensor.layers.back().poisson;
+  sensor.thickness = fem::PadSensor().thickness, sensor.young = fem::PadSensor().young;
+  sensor.poisson = fem::PadSensor().poisson, sensor = with_layers(sensor);
   for (double& force : made.scene.load.normal_force) force /= soft;
   return made;
 }

@@ -35,6 +35,7 @@ extern char** environ;
 namespace tactel::host {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
@@ -57,9 +58,10 @@ bool keeps_binaries(const Device& device) {
 std::string key_of(const Device& device, const ProgramText& program) {
   const cl::Platform platform(device.cl_device().getInfo<CL_DEVICE_PLATFORM>());
   std::string key = platform.getInfo<CL_PLATFORM_VERSION>();
-  for (const std::string& part : {device.cl_device().getInfo<CL_DEVICE_VERSION>(),
-                                  std::to_string(device.cl_device().getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()),
-                                  device.info().name, device.info().driver, program.options, program.text})
+  for (const std::string& part :
+       {device.cl_device().getInfo<CL_DEVICE_VERSION>(),
+        std::to_string(device.cl_device().getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()), device.info().name,
+        device.info().driver, std::string(name(device.info().type)), program.options, program.text})
     key.append("\n").append(part);
   return key;
 }
@@ -121,9 +123,23 @@ cl::Program compile(const Device& device, const ProgramText& program) {
   return built;
 }
 
+/// PoCL makes a binary of kernels for any local size, and compiles each once more for it. On a processor our groups
+/// have one item (Launcher::local_size): where PoCL has that kernel already, it finds it in the place of the other.
+void stand_for_any_size(const fs::path& compiled) {
+  std::error_code end, taken;
+  for (fs::recursive_directory_iterator at(compiled, end); !end && at != fs::recursive_directory_iterator();
+       at.increment(end)) {
+    const fs::path of_one = at->path().parent_path(), of_any = of_one.parent_path() / "0-0-0";
+    if (at->path().extension() != ".so" || of_one.filename() != "1-1-1-goffs0-smallgrid") continue;
+    fs::create_directory(of_any, taken);
+    fs::create_hard_link(at->path(), of_any / at->path().filename(), taken);
+  }
+}
+
 /// Keeps the binary of a program where the device makes all kernels of it again.
 void keep(const CompileCache& cache, const std::string& key, const Device& device, const ProgramText& program,
           const cl::Program& built) {
+  if (is_pocl(device.info()) && device.info().type == DeviceType::cpu) stand_for_any_size(cache.own());
   const auto binaries = built.getInfo<CL_PROGRAM_BINARIES>();
   if (binaries.size() != 1) return;
   const std::string binary(binaries[0].begin(), binaries[0].end());
@@ -367,7 +383,7 @@ cl::Program built_program(const Device& device, const ProgramText& program) {
 
 void set_compiler(std::vector<std::string> words) { compiling_process().words = std::move(words); }
 
-int compile_for_parent(const std::filesystem::path& folder, const std::filesystem::path& own) {
+int compile_for_parent(const fs::path& folder, const fs::path& own) {
   std::set_new_handler(give_up);
   compile_in(folder, own);
   std::optional<Device> device;

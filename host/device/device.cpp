@@ -55,6 +55,7 @@ struct Process {
   std::mutex first_use;  ///< of the next three: PoCL and OpenCL's loader set themselves up in their first calls
   bool set_up = false;
   std::vector<DriverDevice> devices;    ///< empty: none found yet
+  std::atomic<pid_t> user{0};           ///< the process that has found them; 0: none
   std::unique_ptr<CompileCache> cache;  ///< none where the user says where kernels are kept
   std::string trouble;                  ///< with places for the cache
   LogSink log;
@@ -240,6 +241,9 @@ std::vector<DriverDevice> ask_drivers() {
 /// OpenCL's first use in a process, and the environment of that alone, are one thread's at a time.
 std::vector<FoundDevice> find_devices() {
   Process& all = process();
+  if (const pid_t user = all.user; user != 0 && user != ::getpid())
+    throw DeviceError("fork", "the threads of OpenCL stay in the process that was forked", "",
+                      "start processes anew (spawn), or before the first use of a device");
   const std::lock_guard lock(all.first_use);
   expect_files();
   set_up_pocl();
@@ -247,6 +251,7 @@ std::vector<FoundDevice> find_devices() {
   if (all.devices.empty()) {
     expect_threads();
     all.devices = ask_drivers();
+    if (!all.devices.empty()) all.user = ::getpid();
   }
   std::vector<FoundDevice> found;
   for (const auto& [platform, device] : all.devices)

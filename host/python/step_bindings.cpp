@@ -228,7 +228,9 @@ void bind_steps(py::module_& m) {
              options.object_young = object_young, options.object_poisson = object_poisson;
              options.markers = std::move(markers), options.camera = camera, options.dt = dt;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
-             return without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
+             Stepper made = without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
+             if (friction.ndim() > 1) (void)rows_of(friction, count, made.steps.cell_x().size(), "friction");
+             return made;
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
            "tolerance"_a = 1e-3, "force_tolerance"_a = 2e-3, "most_solves"_a = 16, "precision"_a = "", "device"_a = "",
@@ -260,7 +262,7 @@ void bind_steps(py::module_& m) {
           "set_friction",
           [](Stepper& self, const Doubles& friction) {
             PadStepper& steps = self.steps;
-            if (friction.ndim() == 2)
+            if (friction.ndim() > 1)
               return steps.set_friction(rows_of(friction, steps.count(), steps.cell_x().size(), "friction"));
             steps.set_friction(std::vector<double>(friction.data(), friction.data() + friction.size()));
           },

@@ -214,7 +214,7 @@ void require_datasets(const SetColumns& columns, const std::string& file, std::i
 /// ConfigError naming --columns for a name that is none. `/slip_index` stays in any case: it counts the rows.
 SetColumns only_columns(SetColumns columns, const std::string& wanted);
 
-/// Returns the rows of a chunk of a dataset with so many columns; all datasets with rows share that of the inputs.
+/// Returns the rows of a chunk of a dataset with so many columns; all datasets with rows share that of the widest.
 std::uint64_t rows_of_chunk(int columns);
 
 /// The rows of a set, wherever they are.

@@ -199,7 +199,8 @@ std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compres
       dimensions.push_back(name == std::string_view("inputs")    ? "input"
                            : name == std::string_view("markers") ? "displacement"
                                                                  : "direction");
-    create(name, values, width, unit, rows.rows, rows_of_chunk(rows.columns.inputs), std::move(dimensions));
+    create(name, values, width, unit, rows.rows,
+           rows_of_chunk(std::max(rows.columns.inputs, rows.columns.marker_numbers)), std::move(dimensions));
   });
   each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     std::vector<const char*> dimensions = {"tactel"};

@@ -253,10 +253,13 @@ TEST_P(TinyBatches, PadSearch) {
   expect_pad_searches<double>(executor);
 }
 
-/// Tables that a group shares, and a lane's own. Tolerance: what the sweeps leave, as in pad_contact_test.
+/// Tables that a group shares, and a lane's own; friction that differs from cell to cell, and markers. Tolerance: what
+/// the sweeps leave, as in pad_contact_test.
 TEST_P(TinyBatches, PadContact) {
   auto scenes = few_pads();
   scenes.resize(2);
+  scenes.front().set_friction({{{0.2, 0.5}}, 1});
+  for (fem::PadScene& scene : scenes) scene.markers = Markers{.counts = {2, 1}, .depth = 0.5};
   for (const int vectors : {1, 2}) {
     const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3, .vectors = vectors});
     const fem::PadSolver twin(*contact.layer({scenes.front().sensor.poisson}), {.cells = 8});
@@ -269,6 +272,7 @@ TEST_P(TinyBatches, PadContact) {
                          expected = twin.solve_on(batch.cells(i), batch.scene(i)).steps.back();
       EXPECT_NEAR(found.P, expected.P, 1e-2 * expected.P) << i;
       EXPECT_NEAR(found.Q.norm(), expected.Q.norm(), 2e-2 * expected.P) << i;
+      EXPECT_EQ(found.markers.rows(), 2) << i;
     }
   }
 }

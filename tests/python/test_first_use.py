@@ -26,7 +26,7 @@ CALLS = {
     "one sweep of all": "SWEEP.generate(20, rung='pad-8').frames",
     "batches": "next(iter(tactel.Sweep('pad_sweep.toml').batches(20, rung='pad-8')))[0]",
     "PadStepper": "stepped()",
-    "train": "tactel.train(SET, layers=(6, 4, 1), cycles=2)[0](SET.frames)",
+    "train": "tactel.train(SET, layers=(42, 21, 1), seeds=2, cycles=2)[0](SET.frames)",
     "LiveEstimator": "[tactel.LiveEstimator([NETWORK], 'cpu').next(np.full(48, -0.1))[0].slip_index]",
     "Alarm": "[tactel.Alarm(NETWORK, device='cpu').next(np.full(48, -0.1)).slip_index]",
 }
@@ -37,10 +37,10 @@ import tactel
 
 LINE, PAD, SWEEP = tactel.read_scene("parabola.toml"), tactel.read_scene("pad.toml"), tactel.Sweep("pad_sweep.toml")
 NETWORK = tactel.Network.load("uskin-4x4")
-SET = tactel.Set(np.random.default_rng(1).normal(size=(50, 6)), np.linspace(0, 1, 50))
+SET = tactel.Set(np.random.default_rng(1).normal(size=(50, 42)), np.linspace(0, 1, 50))
 
 def stepped():
-    steps = tactel.PadStepper(PAD.sensor, 4, 0.5, cells=8)
+    steps = tactel.PadStepper(PAD.sensor, 4, 0.5, cells=12)
     steps.shapes(tactel.Sphere(8))
     return steps.press([0.5, 0.1, 0, 0]).slip_index
 

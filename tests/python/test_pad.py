@@ -70,7 +70,7 @@ class Values(unittest.TestCase):
             scene.with_(sensor=tactel.Pad(thickness=3.0, layers=layers)).validate()
         with self.assertRaisesRegex(tactel.InputError, "sides are free"):
             scene.with_(sensor=pad.with_(length=20.0, width=20.0)).validate()
-        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25)
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=12, cell=1 / 3)
         steps.shapes(tactel.Sphere(8.0))
         pressed = tactel.solve(scene.with_(load=tactel.Press(0.2)), precision="fp64").P[-1]
         self.assertAlmostEqual(steps.move([[0.2, 0, 0, 0]]).force[0, 0] / pressed, 1, delta=0.03)
@@ -109,7 +109,7 @@ class Values(unittest.TestCase):
         """Below the middle of a ball that sticks they move with it, nearly; a step by cells of a scene is the scene."""
         pad = SPHERE.sensor
         markers = tactel.Markers((5, 3), 0.6, 0.2)
-        steps = tactel.PadStepper(pad, 2, 1.0, cells=16, cell=0.25, markers=markers, camera=tactel.Camera(20.0, 10.0))
+        steps = tactel.PadStepper(pad, 2, 1.0, cells=12, cell=1 / 3, markers=markers, camera=tactel.Camera(20.0, 10.0))
         again = pickle.loads(pickle.dumps(steps))
         scene = SPHERE.with_(indenter=tactel.Sphere(8.0), friction=1.0, markers=markers, load=tactel.Press(0.2).drag((0.03, 0.02), 1))
         path = tactel.solve(scene, precision="fp64")
@@ -124,7 +124,7 @@ class Values(unittest.TestCase):
             self.assertEqual(out.pixels.shape, (2, 15, 2))
             with self.assertRaisesRegex(tactel.InputError, "before the next step"):
                 pressed.markers
-        plain = tactel.PadStepper(pad, 1, 1.0, cells=16, cell=0.25)
+        plain = tactel.PadStepper(pad, 1, 1.0, cells=12, cell=1 / 3)
         plain.shapes(tactel.Sphere(8.0))
         self.assertEqual(plain.move([[0.2, 0, 0, 0]]).markers.shape, (1, 0, 3))
         with self.assertRaisesRegex(tactel.InputError, "camera"):
@@ -182,14 +182,18 @@ class Values(unittest.TestCase):
         for wrong in (mu.T, mu[:2], np.full((3, 144), -0.1), np.full(144, 0.5)):
             with self.assertRaisesRegex(tactel.InputError, "friction"):
                 steps.set_friction(wrong)
+        for turned in (mu.T, mu.T.reshape(12, 12, 3)):
+            for call in (steps.set_friction, lambda mu: tactel.PadStepper(SPHERE.sensor, 3, mu, cells=12, cell=0.3)):
+                with self.assertRaisesRegex(tactel.InputError, r"friction.*\[3, 144\]"):
+                    call(turned)
 
     def test_steps_that_creep(self):
         pad = SPHERE.sensor.with_(relaxation=[(0.2, 0.5), (0.1, 5.0)])
         self.assertEqual(pad.relaxation, [[0.2, 0.5], [0.1, 5.0]])
-        steps = tactel.PadStepper(pad, 1, 0.5, cells=16, cell=0.25, dt=0.0, precision="fp64")
+        steps = tactel.PadStepper(pad, 1, 0.5, cells=12, cell=1 / 3, dt=0.0, precision="fp64")
         steps.shapes(tactel.Sphere(8.0))
         first = float(steps.move([[0.2, 0, 0, 0]]).force[0, 0])
-        elastic = tactel.PadStepper(SPHERE.sensor, 1, 0.5, cells=16, cell=0.25, precision="fp64")
+        elastic = tactel.PadStepper(SPHERE.sensor, 1, 0.5, cells=12, cell=1 / 3, precision="fp64")
         elastic.shapes(tactel.Sphere(8.0))
         self.assertAlmostEqual(first, float(elastic.move([[0.2, 0, 0, 0]]).force[0, 0]), delta=1e-6 * first)
         steps.set_dt(1.0)
@@ -218,7 +222,7 @@ class Values(unittest.TestCase):
     def test_steps_of_soft_objects(self):
         """A step is the press of the scene, but for its cells."""
         scene = SPHERE.with_(indenter=SPHERE.indenter.with_(young=2.0, poisson=0.3), load=tactel.Press(0.2))
-        steps = tactel.PadStepper(PAD, 1, 0.5, cells=16, cell=0.25, object_young=2.0, object_poisson=0.3)
+        steps = tactel.PadStepper(PAD, 1, 0.5, cells=12, cell=1 / 3, object_young=2.0, object_poisson=0.3)
         steps.shapes(tactel.Sphere(8.0))
         out = steps.move([[0.2, 0, 0, 0]])
         self.assertAlmostEqual(out.force[0, 0] / tactel.solve(scene, precision="fp64").P[0], 1, delta=0.02)
@@ -338,18 +342,19 @@ class Networks(unittest.TestCase):
         frames = np.asarray(rows.frames, np.float32)
         mirrored = frames.reshape(-1, 3, 4, 4)[:, :, :, ::-1].copy()
         mirrored[:, 1] *= -1  # tau_x
-        for features, topology in (("pad", "66-8-1"), ("frame", "48-8-1")):
-            (network,) = tactel.train(rows, (48, 8, 1), scaling="frame", features=features, cycles=2)
-            self.assertEqual(network.topology, topology)
-            same = np.array_equal(network.estimator(frames), network.estimator(mirrored.reshape(-1, 48)))
-            self.assertEqual(same, features == "pad")
+        (network,) = tactel.train(rows, (48, 8, 1), scaling="frame", features="pad", cycles=2)
+        self.assertEqual(network.topology, "66-8-1")
+        answers = network.estimator(frames)
+        np.testing.assert_array_equal(network.estimator(mirrored.reshape(-1, 48)), answers)
+        mirrored[:, 1] *= -1  # a mirror image with the shear of the other side
+        self.assertFalse(np.array_equal(network.estimator(mirrored.reshape(-1, 48)), answers))
         with self.assertRaisesRegex(tactel.InputError, "must be frame"):
             tactel.train(rows, (48, 8, 1), features="pad")
 
 
 class Solve(unittest.TestCase):
     def test_equals_the_program(self):
-        for name in ("pad.toml", "pad_twist.toml"):
+        for name in ("pad_twist.toml",):  # Answers of test_tactel have pad.toml
             file = str(ROOT / "examples" / name)
             answer = json.loads(subprocess.run([PROGRAM, "solve", file, "--json", "-"], check=True, capture_output=True,
                                                text=True).stdout)
@@ -384,11 +389,11 @@ class Solve(unittest.TestCase):
         self.assertLessEqual(path.residual.max(), 1e-6)
 
     def test_tactels_side_by_side_bear_the_forces(self):
-        """Squares of 0.5 mm over 28 x 28 mm of a pad 2 mm thick measure what the rubber bears at its base: the stress
+        """Squares of 1 mm over 28 x 28 mm of a pad 2 mm thick measure what the rubber bears at its base: the stress
         falls like exp(-0.74 r / H) or faster; 0.2 % of P and 0.6 % of Q lie beyond."""
-        sensor = tactel.Pad(tactels=(56, 56), pitch=0.5, tactel_size=0.5, thickness=2.0, young=1.0)
+        sensor = tactel.Pad(tactels=(28, 28), pitch=1.0, tactel_size=1.0, thickness=2.0, young=1.0)
         path = tactel.solve(SPHERE.with_(sensor=sensor))
-        total = lambda stress: stress.sum(axis=(1, 2)) * 0.25  # noqa: E731
+        total = lambda stress: stress.sum(axis=(1, 2))  # noqa: E731
         np.testing.assert_allclose(-total(path.tactels.normal), path.P, rtol=1e-2)
         np.testing.assert_allclose(total(path.tactels.shear_x), path.Q[:, 0], atol=1e-2 * path.Q.max())
         np.testing.assert_allclose(total(path.tactels.shear_y), path.Q[:, 1], atol=1e-2 * path.Q.max())

@@ -26,12 +26,12 @@ class Steps(unittest.TestCase):
         for k in (1, 2, 3, 4):
             steps.move([0.25 * k / 4, 0, 0, 0])
         found = [steps.move(pose, travel=False) for pose in poses]
-        for i, mu in enumerate(MU):
-            path = tactel.solve(tactel.Scene(PAD, tactel.PadIndenter(tactel.Sphere(8.0)), friction=mu, load=load))
+        paths = tactel.solve_many([tactel.Scene(PAD, tactel.PadIndenter(tactel.Sphere(8.0)), friction=mu, load=load) for mu in MU])
+        for i in range(len(MU)):
             S = np.array([out.slip_index[i] for out in found])
-            np.testing.assert_allclose(S, path.slip_index[1:], atol=0.02)  # seven cells across
+            np.testing.assert_allclose(S, paths.slip_index[i, 1:], atol=0.02)  # seven cells across
             P = np.array([out.force[i, 0] for out in found])
-            np.testing.assert_allclose(P, path.P[1:], rtol=0.04)
+            np.testing.assert_allclose(P, paths.P[i, 1:], rtol=0.04)
 
     def test_a_wrench_is_met_and_held(self):
         steps = ball()
@@ -150,12 +150,14 @@ class Steps(unittest.TestCase):
 
     def test_a_grid_is_fitted_to_a_pad_with_sides(self):
         pad = PAD.with_(length=6.0, width=3.0)
-        fitted, own = tactel.PadStepper(pad, 1, 0.5), tactel.PadStepper(pad, 1, 0.5, cells=[12, 4], cell=(0.5, 0.4))
+        fitted, own = tactel.PadStepper(pad, 1, 0.5, cells=12), tactel.PadStepper(pad, 1, 0.5, cells=[12, 4], cell=(0.5, 0.4))
         for steps, x, y in ((fitted, 6.0, 3.0), (own, 6.0, 1.6)):
             for places, length in ((steps.cell_x, x), (steps.cell_y, y)):
                 sides = np.unique(np.round(places, 9))
                 self.assertAlmostEqual(len(sides) * (sides[1] - sides[0]), length)
-        self.assertEqual(len(tactel.PadStepper(pad, 1, 0.5, cells=9).cell_x), 81)
+        self.assertEqual(len(fitted.cell_x), 144)
+        with self.assertRaisesRegex(tactel.InputError, "one of 12 x 12 cells of .*; must be one of 12 x 4 cells"):
+            own.set_state(fitted.state())
         for steps, flags in ((fitted, 0), (own, own.EDGE | own.REACH)):
             steps.shapes(tactel.Box((9.0, 9.0)))
             self.assertEqual(steps.move([0.05, 0, 0, 0]).flags[0], flags)
@@ -171,8 +173,8 @@ class Steps(unittest.TestCase):
             tactel.PadStepper(PAD, 2**31, 0.5)
         steps = ball()
         state = steps.state()
-        with self.assertRaisesRegex(tactel.InputError, "one of 12 x 12 cells of 0.2 x 0.2 H, nu 0.45; must be one of 9 x 16 cells"):
-            tactel.PadStepper(PAD, 3, MU, cells=[9, 16], cell=0.4).set_state(state)
+        with self.assertRaisesRegex(tactel.InputError, "one of 12 x 12 cells of 0.2 x 0.2 H, nu 0.45; must be one of 12 x 12 cells of 0.15 x 0.15 H"):
+            tactel.PadStepper(PAD, 3, MU, cells=12, cell=0.3).set_state(state)
         state[1, -1] = np.nan
         with self.assertRaisesRegex(tactel.InputError, "finite"):
             steps.set_state(state)

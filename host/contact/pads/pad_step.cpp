@@ -306,7 +306,7 @@ void PadStepper<Real>::set_friction(std::span<const double> friction) {
   const std::size_t each = all.size() == count_ * cell_count() ? cell_count() : 1;
   check_size("friction", all.size(), each * count_);
   for (const double mu : all)
-    if (!(mu >= 0) || !std::isfinite(mu)) throw ValueError("friction", fmt::format("{}", mu), "0 or more");
+    if (!(mu >= 0 && mu <= 1e6)) throw ValueError("friction", fmt::format("{}", mu), "0 to 1e6");
   if (each > 1 && !mapped_) take_map();
   const auto input = input_.numbers.map();
   for (std::size_t c = 0; c < count_; ++c) {

@@ -14,7 +14,7 @@ struct PadSums {
   static PadSums stress(const LaneState<Real>& lanes, const std::vector<PadOnCells>& scenes, PadRubbers& rubbers,
                         std::size_t width);
   /// Displacements of the scenes' markers. Points lie evenly over a cell, as near to each other as the markers to the
-  /// surface: so sums miss 1 % of the largest at most. Shallower markers have none, and `count` is 0.
+  /// surface: a lone cell's miss 3 % of its own there. Shallower markers have none, and `count` is 0.
   static PadSums markers(const LaneState<Real>& lanes, const std::vector<PadOnCells>& scenes, PadRubbers& rubbers,
                          std::size_t width);
 

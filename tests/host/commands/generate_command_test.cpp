@@ -114,7 +114,7 @@ TEST_F(Generate, PadsKilledAndResumedGiveTheSameBytes) {
                                          "young = { uniform = [1, 2] }\n[indenter]\nshape = \"sphere\"\n"
                                          "radius = { log_uniform = [3, 20] }\n[load]\n"
                                          "indentation = { uniform = [0.1, 0.2] }\ntangential_step = [0.03, 0.01]\n"
-                                         "twist_step = 1\ntangential_steps = 2\n");
+                                         "twist_step = 1\ntangential_steps = 2\n[markers]\ncounts = [3, 2]\n");
   const auto generate = [&](const std::string& before, const std::string& name, const std::string& options) {
     return run_child(
         {"sh", "-c",

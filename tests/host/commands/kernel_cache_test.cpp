@@ -44,9 +44,15 @@ std::pair<int, int> kept_and_left(const fs::path& pocl) {
   return {kept, left - 1};
 }
 
-TEST_F(SolveWithCache, ARunLeavesTheProgramAlone) {
+/// PoCL's binary has a kernel for groups of one item and for groups of any size. They begin with equal headers where
+/// both are the same.
+TEST_F(SolveWithCache, ARunLeavesTheProgramAloneWhoseKernelIsCompiledOnce) {
   ASSERT_EQ(solve().exit_code, 0);
   EXPECT_EQ(kept_and_left(folder_ / "cache/pocl"), std::pair(1, 0));
+  const std::string binary = text_of(fs::directory_iterator(folder_ / "cache/pocl/programs")->path());
+  const std::size_t first = binary.find("\177ELF"), second = binary.find("\177ELF", first + 1);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_EQ(binary.substr(first, 64), binary.substr(second, 64));
 }
 
 /// A shell in which $solve and $other are solutions of scenes by two different programs; $cache is their cache. `all`

@@ -9,6 +9,7 @@ import socket
 import struct
 import subprocess
 import tempfile
+import time
 import urllib.parse
 
 
@@ -17,24 +18,26 @@ import urllib.parse
 LEAST_CONTRAST = 4.5
 FAINT_TEXTS = """(least => {
   const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
-  const seen = colour => {  // as the page's filter shows it
-    canvas.filter = getComputedStyle(document.documentElement).filter;
-    canvas.fillStyle = `rgb(${colour.map(Math.round)})`;
+  const once = make => (known => key => known.get(key) ?? known.set(key, make(key)).get(key))(new Map());
+  canvas.filter = getComputedStyle(document.documentElement).filter;
+  const seen = once(colour => {  // as the page's filter shows it
+    canvas.fillStyle = colour;
     canvas.fillRect(0, 0, 1, 1);
     return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3);
-  };
+  });
   const numbers = colour => (colour.match(/[\\d.]+/g) || [0, 0, 0, 0]).map(Number);
   const over = ([r, g, b, a = 1], under, opacity = 1) => [r, g, b].map((v, i) => v * a * opacity + under[i] * (1 - a * opacity));
-  const luminance = colour => seen(colour).map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+  const luminance = colour => seen(`rgb(${colour.map(Math.round)})`).map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
     .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const ground = once(element => {  // the colour behind it, and the opacity of all around it
+    const style = getComputedStyle(element), [behind, opacity] = element.parentElement ? ground(element.parentElement) : [[255, 255, 255], 1];
+    return [over(numbers(style.backgroundColor), behind), opacity * style.opacity];
+  });
   const faint = new Set(), texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let text; (text = texts.nextNode());) {
     const element = text.parentElement, style = getComputedStyle(element);
     if (!text.data.trim() || !element.getClientRects().length || style.visibility !== 'visible' || element.closest('script, style, .headerlink')) continue;
-    let behind = [255, 255, 255], opacity = 1;
-    const around = [];
-    for (let e = element; e; e = e.parentElement) around.unshift(getComputedStyle(e));
-    for (const one of around) behind = over(numbers(one.backgroundColor), behind), opacity *= one.opacity;
+    const [behind, opacity] = ground(element);
     const two = [over(numbers(element.closest('svg') ? style.fill : style.color), behind, opacity), behind].map(luminance).sort((a, b) => b - a);
     const contrast = (two[0] + 0.05) / (two[1] + 0.05);
     if (opacity > 0 && contrast < least) faint.add(`${element.tagName} "${text.data.trim().slice(0, 30)}": contrast ${contrast.toFixed(2)}`);
@@ -175,7 +178,7 @@ class Browser:
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self.call("Page.navigate", url=path if "://" in str(path) else pathlib.Path(path).resolve().as_uri())
         while self.run("document.readyState") != "complete":
-            pass
+            time.sleep(0.01)
 
     def run(self, expression):
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Answers, sets and networks by PoCL, with vectors and with one lane, and by another OpenCL stack on the processor have the same bits,
-or the program refuses a stack that leaves answers unwritten, as rusticl of Mesa 22.3 does on pads:
+"""Answers, sets, networks and what these say of frames, in batches and live, by PoCL, with vectors and with one lane, and by another
+OpenCL stack on the processor have the same bits, or the program refuses a stack that leaves answers unwritten, as rusticl of Mesa 22.3 does on pads:
 other_stacks.py intel|rusticl PROGRAM EXAMPLES
 
 intel: installs intel-opencl-rt of PyPI (250 MB). rusticl: that of Mesa on llvmpipe, fp32, of Debian's mesa-opencl-icd, laid over /usr/lib
@@ -24,6 +24,17 @@ import numpy as np
 SETS = {"intel": [("learning_mix.toml", 1024, "patch-12"), ("learning_mix.toml", 1024, "mesh-321"), ("pad_sweep.toml", 64, "pad-8"), ("uskin_holds.toml", 8, "pad-8")],
         "rusticl": [("learning_mix.toml", 256, "patch-12"), ("pad_sweep.toml", 16, "pad-8")]}  # a kernel takes it a minute to compile
 SCENES = [("parabola.toml", "paper"), ("pad.toml", "pad-8")]
+PROFILE = """[format]
+kind = "csv"
+channels = 48
+[pad]
+tactels = [4, 4]
+pitch = 4.7
+[channels]
+normal = [%s]
+shear_x = [%s]
+shear_y = [%s]
+""" % tuple(", ".join(map(str, range(first, first + 16))) for first in (0, 16, 32))
 OVERLAY = """mkdir upper work && mount -t tmpfs none work && mkdir work/u work/w &&
 mount -t overlay overlay -o lowerdir=$PWD/usr/lib:/usr/lib,upperdir=$PWD/work/u,workdir=$PWD/work/w /usr/lib && cd "$0" && exec "$@\""""
 
@@ -76,6 +87,7 @@ class Stacks:
             raise Refused
         if done.returncode != 0:
             sys.exit(f"{driver}: {' '.join(map(str, words))}: {done.returncode}, {done.stderr}")
+        return done.stdout
 
     def answers(self, answer, drivers):
         """Returns {driver: answer(driver)} of those that are not refused; PoCL is never."""
@@ -88,7 +100,7 @@ class Stacks:
         return found
 
     def compare(self, what, answers):
-        """answers: {driver: a dict of arrays, or bytes}"""
+        """answers: {driver: a dict of arrays, bytes or a list}"""
         first = answers["pocl"]
         if isinstance(first, dict):
             differ = [f"{key} ({driver})" for driver, answer in answers.items() for key in first
@@ -124,6 +136,34 @@ class Stacks:
             return next((self.folder / f"of {driver}").glob("*.onnx")).read_bytes()
         self.compare("a network", self.answers(made, [driver for driver in self.drivers if driver != "one lane"]))
 
+    def frames(self):
+        """The network of PoCL reads the rows of its set, and the same frames live, both by the kernel."""
+        network = next((self.folder / "of pocl").glob("*.onnx"))
+        with h5py.File(self.folder / "pocl.h5") as file:
+            np.savetxt(self.folder / "frames.csv", file["inputs"][:200], "%.9g", ",")
+        profile = self.folder / "profile.toml"
+        profile.write_text(PROFILE)
+
+        def recalled(driver):
+            rows = self.folder / "rows.csv"
+            self.run(driver, "recall", network, self.folder / "pocl.h5", "--rows", rows, "--device", "cpu", "--quiet")
+            return rows.read_bytes()
+
+        def live(driver):
+            said = self.run(driver, "monitor", "--source", f"csv:{self.folder / 'frames.csv'}", "--profile", profile, "--network", network,
+                            "--device", "cpu", "--late", 1e6, "--quiet")
+            return [json.loads(line)["slip_index"] for line in said.splitlines()]
+        self.compare("frames in batches", self.answers(recalled, self.drivers))
+        self.compare("frames live", self.answers(live, self.drivers))
+
+    def refuses_fp64(self, driver, example):
+        """llvmpipe has none in Mesa 22.3."""
+        begin, own = self.drivers[driver]
+        done = subprocess.run([*begin, self.program, "solve", example, "--precision", "fp64", "--quiet"], capture_output=True, text=True, env={**os.environ, **own})
+        named = done.returncode == 3 and "fp64: not supported on device llvmpipe" in done.stderr
+        self.failed += not named
+        print(f"fp64 by {driver}: " + ("refused" if named else f"{done.returncode}, {done.stderr}"), flush=True)
+
 
 def main():
     other, program, examples = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
@@ -135,6 +175,9 @@ def main():
             for precision in ("fp32", "fp64") if other == "intel" else ("fp32",):
                 stacks.set(examples / example, contacts, rung, precision)
         stacks.network("48-12-1_leaky-relu")
+        stacks.frames()
+        if other == "rusticl":
+            stacks.refuses_fp64(other, examples / SCENES[0][0])
     sys.exit(stacks.failed > 0)
 
 
