@@ -129,7 +129,7 @@ class LaneAnswer {
 
 /// The precision of a number's type.
 template <class Real>
-inline constexpr Precision precision_of = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
+inline constexpr Precision real_precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
 
 /// Returns numbers on the device, rounded to its type; one 0 where there are none, for kernels take no empty buffers.
 template <class T>
