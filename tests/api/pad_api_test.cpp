@@ -153,7 +153,7 @@ TEST(PadSolveApi, GivesTheBitsOfTheProgram) {
   const ScratchFolder folder;
   folder.write("map.csv", map_csv);
   for (const auto& [text, rung, solver] :
-       {std::tuple(twisted_box, "", ""), {mapped, "pad-8", ""}, {twisted_box, "pad-8", "twin"}}) {
+       {std::tuple(twisted_box, "", "batched"), {mapped, "pad-8", "batched"}, {twisted_box, "pad-8", "twin"}}) {
     const std::string file = folder.write("scene.toml", text);
     expect_same(solve(read_pad_scene(file), {.rung = rung, .solver = solver}),
                 by_the_program(file, {.rung = rung, .solver = solver}));

@@ -17,7 +17,7 @@ namespace {
 
 std::string with_right_checksum(const std::string& bytes) {
   onnx::ModelProto model;
-  return model.ParsePartialFromString(bytes) && model.has_graph() ? testing::sealed(model) : bytes;
+  return model.ParsePartialFromString(bytes) && model.has_graph() ? tests::sealed(model) : bytes;
 }
 
 void read(const std::string& bytes) {
