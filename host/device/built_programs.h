@@ -11,6 +11,7 @@
 namespace tactel::host {
 
 class CompileCache;
+class Device;
 
 /// What a context keeps. A launcher that is made again takes its program from here, without PoCL's cache.
 struct BuiltPrograms {

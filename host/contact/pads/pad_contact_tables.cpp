@@ -208,7 +208,7 @@ PadNumbers PadTables::on_rungs(const PadCellSize& size) const {
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
   const bool turns = means_ && size.hx > size.hy;  // a mean takes a millisecond: the table of turned cells has it, too
-  const PadNumbers made = turns ? turned(*on_rungs({size.hy, size.hx}), cells_ + 1) : make_influence(*layer_, size);
+  PadNumbers made = turns ? turned(*on_rungs({size.hy, size.hx}), cells_ + 1) : make_influence(*layer_, size);
   const std::lock_guard lock(making_);
   if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;
@@ -252,6 +252,7 @@ std::shared_ptr<const PadTables> PadRubbers::tables(const fem::Rubber& rubber, b
   if (any_poisson_ && !means && rubber.layers.empty()) {
     std::call_once(once_, [this] {
       std::vector<std::shared_ptr<const PadTables>> all;
+      all.reserve(fem::poisson_points);
       for (int k = 0; k < fem::poisson_points; ++k)
         all.push_back(std::make_shared<const PadTables>(fem::Rubber{fem::poisson_point(k)}, cells_, exact_));
       points_ = std::move(all);

@@ -117,7 +117,8 @@ void PadStepper<Real>::make_tables(const PairInfluence& pairs) {
     sums.base = buffer_of<Real>(device(), base);
     sums.numbers = LaneArray<Real>(device(), places_, 1, 1, 3 * places).fill(0);
   };
-  take(stresses_, static_cast<std::size_t>(pad_.tactels[0] * pad_.tactels[1]), tables.stress);
+  const auto [tactels_x, tactels_y] = pad_.tactels;
+  take(stresses_, static_cast<std::size_t>(tactels_x) * static_cast<std::size_t>(tactels_y), tables.stress);
   take(displacements_, fem::marker_count(options_.markers), tables.displacements);
 }
 
