@@ -127,10 +127,6 @@ class LaneAnswer {
   Numbers results_, stresses_, patch_;
 };
 
-/// The precision of a number's type.
-template <class Real>
-inline constexpr Precision real_precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
-
 /// Returns numbers on the device, rounded to its type; one 0 where there are none, for kernels take no empty buffers.
 template <class T>
 Buffer<T> buffer_of(const Device& device, const auto& numbers) {

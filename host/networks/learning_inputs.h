@@ -42,9 +42,6 @@ class LearningInputs {
   Buffer<Real> values_, targets_;
 };
 
-template <class Real>
-constexpr Precision precision_of = sizeof(Real) == 8 ? Precision::fp64 : Precision::fp32;
-
 extern template class LearningInputs<float>;
 extern template class LearningInputs<double>;
 

@@ -6,6 +6,10 @@ namespace tactel::host {
 /// Precision of the arithmetic in kernels.
 enum class Precision { fp32, fp64 };
 
+/// The precision of a number's type.
+template <class Real>
+inline constexpr Precision precision_of = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
+
 /// Returns "fp32" or "fp64".
 inline const char* name(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp64"; }
 /// Returns the OpenCL C type, for -DREAL=: "float" or "double".

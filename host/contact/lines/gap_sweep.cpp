@@ -88,7 +88,7 @@ struct GapSweep<Real>::State {
   }
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
-  static constexpr Precision precision = real_precision<Real>;
+  static constexpr Precision precision = precision_of<Real>;
   /// Returns the vectors of a work-item: one where it holds all scenes, which then do not pay for empty ones.
   int vectors(std::size_t scenes) const {
     return lanes_of_vector == 1 || scenes <= static_cast<std::size_t>(lanes_of_vector)

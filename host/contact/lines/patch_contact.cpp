@@ -74,7 +74,7 @@ struct PatchContact<Real>::State {
     if (options.most_sweeps == 0) options.most_sweeps = usual_sweeps;
   }
 
-  static constexpr Precision precision = real_precision<Real>;
+  static constexpr Precision precision = precision_of<Real>;
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
   int force_rows() const { return padded(2 * elements); }
 

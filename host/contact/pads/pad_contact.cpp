@@ -51,7 +51,7 @@ struct PadContact<Real>::State {
     options.tolerance = tolerance, options.accept = accept;
   }
 
-  static constexpr Precision precision = real_precision<Real>;
+  static constexpr Precision precision = precision_of<Real>;
   const Device& device() const { return executor.device(); }
   /// Lanes. Half of them where a wide vector takes as long as its halves, and there are many cells.
   std::size_t width() const {

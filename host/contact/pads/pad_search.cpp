@@ -125,12 +125,12 @@ template <class Real>
 struct PadSearch<Real>::State {
   State(Executor& executor, bool any_poisson) : executor(executor), any_poisson(any_poisson) {}
 
-  std::size_t lanes() const { return static_cast<std::size_t>(executor.device().lanes(real_precision<Real>)); }
+  std::size_t lanes() const { return static_cast<std::size_t>(executor.device().lanes(precision_of<Real>)); }
 
   Program program(bool mirrored) {
     return programs.get(mirrored, [&] {
       return Program(executor.device(), "pad_search.cl",
-                     {{"REAL", real_type(real_precision<Real>)},
+                     {{"REAL", real_type(precision_of<Real>)},
                       {"LANES", std::to_string(lanes())},
                       {"MIRRORED", std::to_string(mirrored)}});
     });

@@ -75,7 +75,7 @@ PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std:
     check_within_pad(pad, options_);
     sides_ = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual, StopScope::checker());
   }
-  width_ = static_cast<std::size_t>(device().lanes(real_precision<Real>));
+  width_ = static_cast<std::size_t>(device().lanes(precision_of<Real>));
   // As PadContact: two vectors share each number of the table where they are full and their sums fit into registers.
   const bool wide = width_ * sizeof(Real) >= widest_vector && !device().info().halves;
   vectors_ =
@@ -124,9 +124,9 @@ void PadStepper<Real>::make_tables(const PairInfluence& pairs) {
 
 template <class Real>
 void PadStepper<Real>::make_launches() {
-  Defines defines = {{"REAL", real_type(real_precision<Real>)}, {"LANES", std::to_string(width_)},
-                     {"CELLS", std::to_string(cells_.n)},       {"CELLS_Y", std::to_string(cells_.ny())},
-                     {"VECTORS", std::to_string(vectors_)},     {"DENSE", std::to_string(dense_)}};
+  Defines defines = {{"REAL", real_type(precision_of<Real>)}, {"LANES", std::to_string(width_)},
+                     {"CELLS", std::to_string(cells_.n)},     {"CELLS_Y", std::to_string(cells_.ny())},
+                     {"VECTORS", std::to_string(vectors_)},   {"DENSE", std::to_string(dense_)}};
   if (creep_) defines.emplace_back("CREEP_TERMS", std::to_string(pad_.relaxation.size()));
   if (mapped_) defines.emplace_back("FRICTION_MAP", "1");
   const Program program(device(), "pad_step.cl", defines);
