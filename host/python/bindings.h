@@ -193,6 +193,30 @@ auto without_lock(const Compute& compute) {
   return Computation().run(compute);
 }
 
+/// Who may use an object that one thread uses at a time. Needs Python's lock.
+class Turn {
+ public:
+  explicit Turn(const char* name) : name_(name) {}
+  /// Throws InputError while another thread computes with the object.
+  void check() const {
+    if (taken_) throw InputError(name_, "a call while another thread is in one", "must wait for it, or make another");
+  }
+  template <class Compute>
+  auto without_lock(const Compute& compute) {
+    check();
+    taken_ = true;
+    const struct Given {
+      bool& taken;
+      ~Given() { taken = false; }
+    } given{taken_};
+    return python::without_lock(compute);
+  }
+
+ private:
+  const char* name_;
+  bool taken_ = false;
+};
+
 /// Takes what a call gives by this name, where it does. Throws TypeError for another type.
 template <class M>
 void take(const py::dict& words, const std::string& name, M& value) {

@@ -40,9 +40,24 @@ AlongXY<Number> along_xy(const GivenXY<Number>& given) {
 }
 
 /// The stepper of Python, with the number of its steps: answers know which one they are of.
-struct Stepper {
-  PadStepper steps;
+class Stepper {
+ public:
+  explicit Stepper(PadStepper steps) : steps_(std::move(steps)) {}
+  PadStepper& steps() {
+    turn_.check();
+    return steps_;
+  }
+  /// compute(steps) without Python's lock.
+  template <class Compute>
+  auto compute(const Compute& compute) {
+    return turn_.without_lock([&] { return compute(steps_); });
+  }
+
   std::size_t made = 0;
+
+ private:
+  PadStepper steps_;
+  Turn turn_{"PadStepper"};
 };
 
 struct Answer {
@@ -76,8 +91,8 @@ Stepper& stepper_of(const Answer& answer, const char* name) {
 py::array_t<float> memory_of_frames(const py::object& self) {
   const Answer& answer = self.cast<const Answer&>();
   Stepper& stepper = stepper_of(answer, "frames");
-  const std::span<const float> frames = without_lock([&] { return stepper.steps.frames(); });
-  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  const std::span<const float> frames = stepper.compute([](PadStepper& steps) { return steps.frames(); });
+  const auto count = static_cast<py::ssize_t>(stepper.steps().count());
   return py::array_t<float>({count, static_cast<py::ssize_t>(frames.size()) / count}, frames.data(), answer.owner);
 }
 
@@ -91,8 +106,8 @@ py::array_t<float> frames_of_answer(const py::object& self) {
 py::array_t<float> markers_of_answer(const py::object& self) {
   const Answer& answer = self.cast<const Answer&>();
   Stepper& stepper = stepper_of(answer, "markers");
-  const std::span<const float> all = without_lock([&] { return stepper.steps.markers(); });
-  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  const std::span<const float> all = stepper.compute([](PadStepper& steps) { return steps.markers(); });
+  const auto count = static_cast<py::ssize_t>(stepper.steps().count());
   py::array_t<float> array({count, static_cast<py::ssize_t>(all.size()) / (3 * count), py::ssize_t{3}}, all.data(),
                            answer.owner);
   array.attr("setflags")("write"_a = false);
@@ -102,14 +117,14 @@ py::array_t<float> markers_of_answer(const py::object& self) {
 /// Where the camera sees them, a copy.
 py::array_t<float> pixels_of_answer(const Answer& answer) {
   Stepper& stepper = stepper_of(answer, "pixels");
-  const std::vector<float> all = without_lock([&] { return stepper.steps.pixels(); });
-  const auto count = static_cast<py::ssize_t>(stepper.steps.count());
+  const std::vector<float> all = stepper.compute([](PadStepper& steps) { return steps.pixels(); });
+  const auto count = static_cast<py::ssize_t>(stepper.steps().count());
   return py::array_t<float>({count, static_cast<py::ssize_t>(all.size()) / (2 * count), py::ssize_t{2}}, all.data());
 }
 
-Answer answer_of(py::object self, const StepAnswer& answer) {
-  const std::size_t step = ++self.cast<Stepper&>().made;
-  return {std::move(self), step, answer};
+Answer answer_of(py::object self) {
+  auto& stepper = self.cast<Stepper&>();
+  return {std::move(self), ++stepper.made, stepper.steps().answer()};
 }
 
 std::vector<PadIndenter> indenters_of(const std::variant<PadIndenter, PadShape, std::vector<PadIndenter>>& given) {
@@ -119,9 +134,9 @@ std::vector<PadIndenter> indenters_of(const std::variant<PadIndenter, PadShape, 
 }
 
 void set_gaps(Stepper& self, const Floats& gaps, const std::optional<Floats>& cover) {
-  const std::size_t count = self.steps.count(), cells = self.steps.cell_x().size();
+  const std::size_t count = self.steps().count(), cells = self.steps().cell_x().size();
   const std::vector<float> all = rows_of(gaps, count, cells, "gaps");
-  self.steps.set_gaps(all, cover ? rows_of(*cover, count, cells, "cover") : std::vector<float>());
+  self.steps().set_gaps(all, cover ? rows_of(*cover, count, cells, "cover") : std::vector<float>());
 }
 
 /// Sets gaps where they are given, by Python's function, which keeps them for copies.
@@ -132,20 +147,21 @@ void put_gaps(const py::object& self, const std::optional<Floats>& gaps, const s
 
 Answer move(const py::object& self, const std::optional<Doubles>& pose, const std::optional<Floats>& gaps,
             const std::optional<Floats>& cover, const std::optional<Doubles>& motion, bool travel) {
-  PadStepper& steps = self.cast<Stepper&>().steps;
+  auto& stepper = self.cast<Stepper&>();
+  const std::size_t count = stepper.steps().count();
   if (pose.has_value() == gaps.has_value())
     throw InputError("move", pose ? "a pose and gaps" : "neither pose nor gaps",
                      "must have a pose of the shapes, or gaps with a motion");
   if (pose) {
-    const std::vector<double> to = rows_of(*pose, steps.count(), 4, "pose");
-    without_lock([&] { steps.move(to, travel); });
+    const std::vector<double> to = rows_of(*pose, count, 4, "pose");
+    stepper.compute([&](PadStepper& steps) { steps.move(to, travel); });
   } else {
     put_gaps(self, gaps, cover);
     const std::vector<double> by =
-        motion ? rows_of(*motion, steps.count(), 3, "motion") : std::vector<double>(3 * steps.count());
-    without_lock([&] { steps.move_by(by); });
+        motion ? rows_of(*motion, count, 3, "motion") : std::vector<double>(3 * count);
+    stepper.compute([&](PadStepper& steps) { steps.move_by(by); });
   }
-  return answer_of(self, steps.answer());
+  return answer_of(self);
 }
 
 using Mask = py::array_t<bool, py::array::c_style | py::array::forcecast>;
@@ -160,17 +176,18 @@ std::vector<std::uint8_t> mask_of(const std::optional<Mask>& mask, std::size_t c
 
 Answer press(const py::object& self, const Doubles& wrench, const std::optional<Mask>& mask,
              const std::optional<Floats>& gaps, const std::optional<Floats>& cover) {
-  PadStepper& steps = self.cast<Stepper&>().steps;
+  auto& stepper = self.cast<Stepper&>();
+  const std::size_t count = stepper.steps().count();
   put_gaps(self, gaps, cover);
-  const std::vector<double> to = rows_of(wrench, steps.count(), 4, "wrench");
-  const std::vector<std::uint8_t> which = mask_of(mask, steps.count());
-  without_lock([&] { steps.press(to, which); });
-  return answer_of(self, steps.answer());
+  const std::vector<double> to = rows_of(wrench, count, 4, "wrench");
+  const std::vector<std::uint8_t> which = mask_of(mask, count);
+  stepper.compute([&](PadStepper& steps) { steps.press(to, which); });
+  return answer_of(self);
 }
 
-py::array_t<double> state_of(const Stepper& self, const std::vector<std::size_t>& contacts) {
-  const std::vector<double> all = self.steps.state(contacts);
-  const auto size = static_cast<py::ssize_t>(self.steps.state_size());
+py::array_t<double> state_of(Stepper& self, const std::vector<std::size_t>& contacts) {
+  const std::vector<double> all = self.steps().state(contacts);
+  const auto size = static_cast<py::ssize_t>(self.steps().state_size());
   py::array_t<double> array({static_cast<py::ssize_t>(all.size()) / size, size});
   std::ranges::copy(all, array.mutable_data());
   return array;
@@ -228,8 +245,8 @@ void bind_steps(py::module_& m) {
              options.object_young = object_young, options.object_poisson = object_poisson;
              options.markers = std::move(markers), options.camera = camera, options.dt = dt;
              const std::vector<double> mu(friction.data(), friction.data() + friction.size());
-             Stepper made = without_lock([&] { return Stepper{PadStepper(pad, count, mu, options)}; });
-             if (friction.ndim() > 1) (void)rows_of(friction, count, made.steps.cell_x().size(), "friction");
+             Stepper made(without_lock([&] { return PadStepper(pad, count, mu, options); }));
+             if (friction.ndim() > 1) (void)rows_of(friction, count, made.steps().cell_x().size(), "friction");
              return made;
            }),
            "pad"_a, "count"_a, "friction"_a, py::kw_only(), "cells"_a = py::none(), "cell"_a = py::none(),
@@ -244,24 +261,24 @@ void bind_steps(py::module_& m) {
            "answers "
            "have the displacements of these markers, and the pixels where the camera sees them; dt: seconds of each "
            "step, of a pad that relaxes.")
-      .def("__len__", [](const Stepper& self) { return self.steps.count(); })
-      .def_property_readonly("tactels", [](const Stepper& self) { return self.steps.tactels(); })
+      .def("__len__", [](Stepper& self) { return self.steps().count(); })
+      .def_property_readonly("tactels", [](Stepper& self) { return self.steps().tactels(); })
       .def_property_readonly(
-          "cell_x", [](const Stepper& self) { return py::array_t<double>(py::cast(self.steps.cell_x())); },
+          "cell_x", [](Stepper& self) { return py::array_t<double>(py::cast(self.steps().cell_x())); },
           "[cells] mm on the pad, y fastest")
       .def_property_readonly(
-          "cell_y", [](const Stepper& self) { return py::array_t<double>(py::cast(self.steps.cell_y())); },
+          "cell_y", [](Stepper& self) { return py::array_t<double>(py::cast(self.steps().cell_y())); },
           "[cells] mm")
-      .def_property_readonly("device", [](const Stepper& self) { return self.steps.device(); })
+      .def_property_readonly("device", [](Stepper& self) { return self.steps().device(); })
       .def_property_readonly(
-          "dt", [](const Stepper& self) { return self.steps.options().dt; }, "s, of each step")
+          "dt", [](Stepper& self) { return self.steps().options().dt; }, "s, of each step")
       .def(
-          "set_dt", [](Stepper& self, double dt) { self.steps.set_dt(dt); }, "dt"_a,
+          "set_dt", [](Stepper& self, double dt) { self.steps().set_dt(dt); }, "dt"_a,
           "Sets the seconds that each step takes from now on.")
       .def(
           "set_friction",
           [](Stepper& self, const Doubles& friction) {
-            PadStepper& steps = self.steps;
+            PadStepper& steps = self.steps();
             if (friction.ndim() > 1)
               return steps.set_friction(rows_of(friction, steps.count(), steps.cell_x().size(), "friction"));
             steps.set_friction(std::vector<double>(friction.data(), friction.data() + friction.size()));
@@ -271,8 +288,8 @@ void bind_steps(py::module_& m) {
           "shapes",
           [](Stepper& self, const std::variant<PadIndenter, PadShape, std::vector<PadIndenter>>& shapes,
              const std::optional<Doubles>& places) {
-            self.steps.set_shapes(indenters_of(shapes));
-            if (places) self.steps.set_places(rows_of(*places, self.steps.count(), 3, "places"));
+            self.steps().set_shapes(indenters_of(shapes));
+            if (places) self.steps().set_places(rows_of(*places, self.steps().count(), 3, "places"));
           },
           "shapes"_a, "places"_a = py::none(),
           "shapes: a shape or PadIndenter for all contacts, or a PadIndenter for each; places: [count, 3] x, y (mm), "
@@ -281,7 +298,7 @@ void bind_steps(py::module_& m) {
       .def(
           "places",
           [](Stepper& self, const Doubles& places) {
-            self.steps.set_places(rows_of(places, self.steps.count(), 3, "places"));
+            self.steps().set_places(rows_of(places, self.steps().count(), 3, "places"));
           },
           "places"_a,
           "Places of the shapes from the next step on: [count, 3] x, y (mm), yaw (degrees). Heights move, "
@@ -300,8 +317,8 @@ void bind_steps(py::module_& m) {
       .def(
           "reset",
           [](Stepper& self, const std::optional<Mask>& mask) {
-            if (!mask) return self.steps.reset();
-            self.steps.reset(mask_of(mask, self.steps.count()));
+            if (!mask) return self.steps().reset();
+            self.steps().reset(mask_of(mask, self.steps().count()));
           },
           "mask"_a = py::none(), "Contacts as if nothing had touched: where mask [count] is true, or all.")
       .def("state", &state_of, "contacts"_a = std::vector<std::size_t>{},
@@ -309,16 +326,16 @@ void bind_steps(py::module_& m) {
       .def(
           "set_state",
           [](Stepper& self, const Doubles& state, const std::vector<std::size_t>& contacts) {
-            self.steps.set_state(std::span(state.data(), static_cast<std::size_t>(state.size())), contacts);
+            self.steps().set_state(std::span(state.data(), static_cast<std::size_t>(state.size())), contacts);
           },
           "state"_a, "contacts"_a = std::vector<std::size_t>{},
           "Sets the state of these contacts, or of all: steps then have the bits that they had from where it was "
           "taken.")
       .def(
           "tractions",
-          [](const Stepper& self) {
-            const std::vector<double> all = self.steps.tractions();
-            const auto count = static_cast<py::ssize_t>(self.steps.count());
+          [](Stepper& self) {
+            const std::vector<double> all = self.steps().tractions();
+            const auto count = static_cast<py::ssize_t>(self.steps().count());
             py::array_t<double> array({count, py::ssize_t{3}, static_cast<py::ssize_t>(all.size()) / count / 3});
             std::ranges::copy(all, array.mutable_data());
             return array;

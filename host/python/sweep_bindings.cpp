@@ -58,7 +58,7 @@ class Batches {
       : batches_(sweep, contacts, options, first), whole_(whole) {}
   py::object next() {
     auto rows = std::make_unique<Set>();
-    if (!without_lock([&] { return batches_.next(*rows); })) throw py::stop_iteration();
+    if (!turn_.without_lock([&] { return batches_.next(*rows); })) throw py::stop_iteration();
     const py::object set = py::cast(std::move(rows));
     return whole_ ? set : py::make_tuple(set.attr("frames"), set.attr("slip_index"));
   }
@@ -66,6 +66,7 @@ class Batches {
  private:
   SweepBatches batches_;
   bool whole_;
+  Turn turn_{"batches"};
 };
 
 py::tuple inputs_of(const Set& set, const std::variant<int, std::string>& history, std::optional<double> history_change,

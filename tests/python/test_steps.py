@@ -3,6 +3,7 @@
 
 import copy
 import pickle
+import threading
 import unittest
 
 import numpy as np
@@ -147,6 +148,31 @@ class Steps(unittest.TestCase):
         steps.press([0.4, 0, 0, 0])
         with self.assertRaisesRegex(tactel.InputError, "before the next step"):
             out.frames
+
+    def test_a_stepper_is_one_threads_at_a_time(self):
+        steps, alone = ball(512, 0.5), ball(1, 0.5).move([0.25, 0, 0, 0]).force
+        made, refused, other = [], [], []
+
+        def call():
+            for _ in range(10):
+                try:
+                    made.append(np.array(steps.move([0.25, 0, 0, 0]).force))
+                    steps.state([0])
+                except tactel.InputError as error:
+                    refused.append(str(error))
+                except Exception as error:
+                    other.append(error)
+
+        threads = [threading.Thread(target=call) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(other, [])
+        self.assertEqual(set(refused), {"PadStepper: a call while another thread is in one; must wait for it, or make another"})
+        self.assertTrue(made)
+        for force in made:
+            np.testing.assert_allclose(force, np.repeat(alone, 512, axis=0), rtol=5e-3, atol=1e-3)  # tolerance of the sweeps: 1e-3
 
     def test_a_grid_is_fitted_to_a_pad_with_sides(self):
         pad = PAD.with_(length=6.0, width=3.0)

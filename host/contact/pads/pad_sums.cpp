@@ -60,7 +60,8 @@ void take_cells(const LaneState<Real>& lanes, const std::vector<PadOnCells>& sce
     place[PAD_PLACE_SHARES_X] = along_x.first / 2.0, place[PAD_PLACE_COUNT_X] = along_x.count / 2.0;
     place[PAD_PLACE_SHARES_Y] = along_y.first / 2.0, place[PAD_PLACE_COUNT_Y] = along_y.count / 2.0;
     place[PAD_PLACE_STEPS] = lanes.scenes[i].steps;
-    place[PAD_PLACE_LAYER] = static_cast<double>(table.first / PAD_BLOCK);
+    const auto layer = table.first / PAD_BLOCK;
+    place[PAD_PLACE_LAYER] = static_cast<double>(layer);
     return place;
   };
   sums.cells = lanes.array(1, 1, PAD_PLACE_ROWS, 0, cells_of);  // others have no steps
