@@ -97,7 +97,7 @@ Panel base_panel(const ContactSolution& solution, std::size_t shown) {
 
 Panel path_panel(const ContactSolution& solution, std::size_t shown) {
   Series index{.label = "S = Q / µP", .mark = Mark::line_dots, .ink = Ink::black};
-  Series slipping{.label = "slipping share of the contact", .mark = Mark::line_dots, .ink = Ink::red};
+  Series slipping{.label = "slipping share of the contact", .mark = Mark::dash_triangles, .ink = Ink::red};
   for (std::size_t k = 0; k < solution.steps.size(); ++k) {
     const ContactStep& step = solution.steps[k];
     const auto slips = std::ranges::count(step.status, GapStatus::slip),

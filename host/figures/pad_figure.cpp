@@ -177,8 +177,8 @@ class PadFigure {
 
   Panel path_panel() const {
     Series S{.label = "S", .mark = Mark::line_dots, .ink = Ink::black},
-        ratio{.label = "|Q| / µP", .mark = Mark::line_dots, .ink = Ink::orange},
-        stick{.label = "part that sticks", .mark = Mark::line_dots, .ink = Ink::green};
+        ratio{.label = "|Q| / µP", .mark = Mark::dash_triangles, .ink = Ink::orange},
+        stick{.label = "part that sticks", .mark = Mark::long_dashes, .ink = Ink::green};
     for (const PadStep& step : solution_.steps) {
       const double number = static_cast<double>(S.x.size() + 1);
       S.x.push_back(number), S.y.push_back(step.slip_index.value_or(NAN));

@@ -45,7 +45,8 @@ function state() {
 function drawPad(k) {
   const { tactels: [nx, ny], pitch } = setup.pads[k], [normal, x, y] = normalsOf(k), box = byId(`pad-${k}`), wide = Math.max(120, Math.min(330, box.clientWidth));
   const most = scaleOf("most"), mostShear = scaleOf("shear"), step = wide / nx, ratio = pitch[0] > 0 ? pitch[1] / pitch[0] : 1, tall = step * ratio * ny, colour = colouring("sequential", [0, most]);
-  const node = svg("svg", { width: wide, height: tall, viewBox: `0 0 ${wide} ${tall}`, role: "img", "aria-label": `Stresses of ${setup.pads[k].name}` });
+  const reach = 0.25 * step;  // of an arrow beyond the outer tiles
+  const node = svg("svg", { width: wide, height: tall, viewBox: `0 0 ${wide} ${tall}`, style: `margin-top:${reach}px`, role: "img", "aria-label": `Stresses of ${setup.pads[k].name}` });
   let shafts = "", heads = "";
   for (let j = 0; j < ny; ++j)
     for (let i = 0; i < nx; ++i) {
