@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "fem/gap/contact_laws.h"
 #include "fem/gap/gap_condensed.h"
 #include "fem/gap/stress_field.h"
 #include "fem/layer/element_compliance.h"
@@ -192,7 +193,8 @@ Difference difference(const ContactSolution& a, const ContactSolution& b) {
   }
   for (std::size_t k = 0; k < b.steps.size(); ++k) {
     const ContactStep &x = a.steps[k], &y = b.steps[k];
-    EXPECT_TRUE(x.converged && y.converged) << k;
+    EXPECT_TRUE(x.converged) << k << ": " << largest(x.residual);
+    EXPECT_TRUE(y.converged) << k << " of the mesh: " << largest(y.residual);
     const Eigen::Index inner = y.sigma_y.size() - 2;
     most.P = std::max(most.P, std::abs(x.P - y.P) / P);
     most.Q = std::max(most.Q, std::abs(x.Q - y.Q) / Q);
@@ -203,11 +205,13 @@ Difference difference(const ContactSolution& a, const ContactSolution& b) {
   return most;
 }
 
-/// The same contact on a mesh with a row of elements for each layer or more.
+/// The same contact on a mesh with a row of elements for each layer or more. Where moduli differ 1e4-fold, the
+/// condensation's rounding leaves up to 1e-10 in the balance of base and surface, by the processor's instructions.
 ContactSolution on_mesh(Scene scene) {
   scene.sensor.columns = 401, scene.sensor.rows = 25;
   scene.load.indentation_steps = 20;
-  ContactSolution solution = GapCondensed(condense_cached(scene.sensor, default_cache_directory())).solve(scene);
+  ContactSolution solution =
+      GapCondensed(condense_cached(scene.sensor, default_cache_directory()), {.tolerance = 1e-9}).solve(scene);
   solution.steps.erase(solution.steps.begin(), solution.steps.begin() + 19);
   return solution;
 }
