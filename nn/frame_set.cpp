@@ -98,8 +98,7 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set, Features feature
 Learnt learnt_ranges(const FrameSet& set) {
   Learnt learnt;
   const std::vector<float> touching = set.markers ? std::vector<float>() : touching_peaks(set);
-  if (!touching.empty())
-    learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
+  if (!touching.empty()) learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
   std::vector<float> friction = set.friction;
   std::erase_if(friction, [](float mu) { return !std::isfinite(mu); });  // bonded contacts have none
   if (!friction.empty()) {

@@ -145,7 +145,7 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
     }
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
-  if (rows.target == nn::Target::slip_index)
+  if (rows.target == nn::Target::slip_index && !rows.frames.markers)
     text += "\nhow well S can be read at all: python -m tactel.floor SWEEP.toml (docs/judging.md)\n";
   return text + "\ndevice: " + device + "\n";
 }
@@ -173,7 +173,8 @@ int run_recall(const RecallRequest& request) {
   }
   const bool markers = networks.front().model.scaling.markers;
   if (markers && request.decides())
-    throw ConfigError("command line", "--decision", "markers", "left out for networks of markers: alarms go by stresses");
+    throw ConfigError("command line", "--decision", "markers",
+                      "left out for networks of markers: alarms go by stresses");
   const ContactSet set = [&] {
     const StageLine stage("reading " + request.set, request.shared.quiet);
     return read_contact_set(request.set, unread(markers));

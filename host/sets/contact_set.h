@@ -251,8 +251,8 @@ class ContactSetReader {
   std::unique_ptr<State> state_;
 };
 
-/// Reads a whole set, but for the dataset `without`. Throws ConfigError where the file cannot be read, is not a set, is damaged, has datasets of
-/// the wrong rank, type or extent, or exceeds the memory of the machine.
+/// Reads a whole set but for the dataset `without`. Throws ConfigError where the file cannot be read, is not a set, is
+/// damaged, has datasets of the wrong rank, type or extent, or exceeds the memory of the machine.
 ContactSet read_contact_set(const std::filesystem::path& path, const char* without = "");
 /// Returns the text of the sweep file of a set. Throws as read_contact_set.
 std::string contact_set_sweep(const std::filesystem::path& path);

@@ -46,8 +46,8 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
 void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
   const int frames = network.model.history.frames, inputs = network.model.numbers();
   if (network.model.scaling.markers != set.markers)
-    throw ConfigError(network.file, "inputs", unread(set.markers),
-                      std::string("a network of ") + (set.markers ? "markers" : "stresses"));
+    throw ConfigError(network.file, "inputs", set.markers ? "stresses" : "markers",
+                      set.markers ? "markers, as of the others" : "stresses, as of the others");
   if (inputs != nn::numbers_of(network.model.history, static_cast<int>(set.frames.cols())))
     throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
                       frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())

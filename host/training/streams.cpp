@@ -108,7 +108,12 @@ class FileStream : public FrameStream {
  public:
   FileStream(const std::filesystem::path& file, std::uint64_t rows, std::uint64_t seed, nn::PresentationOrder order,
              const ShownRows& shown)
-      : name_(file.string()), reader_(file, unread(shown.markers)), rows_(rows), seed_(seed), how_(order), shown_(shown) {
+      : name_(file.string()),
+        reader_(file, unread(shown.markers)),
+        rows_(rows),
+        seed_(seed),
+        how_(order),
+        shown_(shown) {
     require_answers(reader_.columns(), name_, shown_.target, shown_.markers);
     if (reader_.rows() == 0) throw ConfigError(name_, "slip_index", "0 rows", "at least one row to learn from");
   }

@@ -191,8 +191,9 @@ string bytes_of(const nn::Model& model, const string& version, bool unsaid = fal
   message.add(producer_name, "tactel");
   message.add(producer_version, version);
   const string what = model.target == nn::Target::slip_index ? "slippage index S = Q / (mu P)" : nn::name(model.target);
-  message.add(doc_string, what + (model.scaling.markers ? " from displacements of markers in mm, x and y of each"
-                                                        : " from stresses at the tactels in MPa, normal stresses first"));
+  message.add(doc_string,
+              what + (model.scaling.markers ? " from displacements of markers in mm, x and y of each"
+                                            : " from stresses at the tactels in MPa, normal stresses first"));
   message.add(graph, message_of(contents));
   opset.add(opset_domain, "");
   opset.add(opset_version, 13);

@@ -462,8 +462,9 @@ twist = { uniform = [0, 20] }
 
 /// 60 contacts of balls with a skin of 2 x 2 tactels and 6 markers.
 std::string marked_set(const ScratchFolder& folder, const std::string& name, int seed, const std::string& more = "") {
-  const std::string sweep = folder.write("marked.toml", "[sweep]\ncontacts = 60\nseed = " + std::to_string(seed) + more +
-                                                            R"(
+  const std::string sweep =
+      folder.write("marked.toml", "[sweep]\ncontacts = 60\nseed = " + std::to_string(seed) + more +
+                                      R"(
 [sensor]
 kind = "pad"
 tactels = [2, 2]
@@ -601,8 +602,9 @@ TEST(TrainMarkers, AreNoStresses) {
   const std::string file = net + "/12-8-1_noise0_seed1.onnx";
   EXPECT_TRUE(is_refused(run_tactel({"recall", file, folder / "bare.h5"}), {"bare.h5", "markers = missing"}));
   EXPECT_TRUE(is_refused(run_tactel({"recall", file, set, "--decision"}), {"--decision", "of markers"}));
-  EXPECT_TRUE(is_refused(run_tactel({"monitor", "--source", "sim:" + source_file("examples/pad.toml"), "--network", file}),
-                         {"--network = of markers: must be a network of stresses"}));
+  EXPECT_TRUE(
+      is_refused(run_tactel({"monitor", "--source", "simulate:" + source_file("examples/pad.toml"), "--network", file}),
+                 {"--network = of markers: must be a network of stresses"}));
   EXPECT_TRUE(is_refused(run_tactel({"calibrate", "bound", file, set}), {"a network with a bound"}));
   EXPECT_THROW(Alarm(SlipEstimator::load(file), {}), InputError);
   ASSERT_EQ(train_on(set, {"--network", "12-5-1", "--force", "--quiet"}).exit_code, 0);
@@ -611,7 +613,7 @@ TEST(TrainMarkers, AreNoStresses) {
     model.scaling.markers = true, model.scaling.axes = 2, model.learnt = {};
     return model;
   }());
-  EXPECT_TRUE(is_refused(run_tactel({"recall", net, set}), {"marked.onnx: inputs = markers", "a network of stresses"}));
+  EXPECT_TRUE(is_refused(run_tactel({"recall", net, set}), {"marked.onnx: inputs = markers: must be stresses"}));
 
   // Nor does a training of one go on as one of the other, though both have 12 inputs.
   EXPECT_TRUE(is_refused(train_on(set, {"--inputs", "markers", "--network", "12-5-1", "--resume"}), {"training.json"}));
@@ -824,7 +826,8 @@ const WrongCall wrong_calls[] = {
     {"NoPatience", "--schedule batch --validation /nowhere.h5 --patience 0", "--patience = 0: must be at least 1"},
     {"NoRecallSet", "--recall /nowhere.h5", "/nowhere.h5"},
     {"OtherInputs", "--inputs pixels", "--inputs = pixels: must be one of stresses, markers"},
-    {"MarkersByFrame", "--inputs markers --scaling frame", "--scaling = frame: must be set, or left out, with --inputs"},
+    {"MarkersByFrame", "--inputs markers --scaling frame",
+     "--scaling = frame: must be set, or left out, with --inputs"},
     {"MarkersAtRest", "--inputs markers --scaling rest", "--scaling = rest: must be set"},
     {"MarkersWithFeatures", "--inputs markers --features pad", "--features = pad: must be frame, or left out"},
     {"MarkersWithABound", "--inputs markers --schedule batch --bound", "it goes by the tactels that touch"},
