@@ -90,17 +90,15 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set, Features feature
     const std::vector<float> touching = touching_peaks(set);
     if (!touching.empty()) scaling.usual_stress = touching[touching.size() / 2];
   }
-  scaling.friction = set.told > 0;
+  scaling.friction = set.told > 0, scaling.markers = set.markers;
   scaling.validate();
   return scaling;
 }
 
 Learnt learnt_ranges(const FrameSet& set) {
   Learnt learnt;
-  const std::vector<float> touching = touching_peaks(set);
-  if (!touching.empty()) {
-    learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
-  }
+  const std::vector<float> touching = set.markers ? std::vector<float>() : touching_peaks(set);
+  if (!touching.empty()) learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
   std::vector<float> friction = set.friction;
   std::erase_if(friction, [](float mu) { return !std::isfinite(mu); });  // bonded contacts have none
   if (!friction.empty()) {

@@ -31,6 +31,7 @@ struct FrameSet {
   int axes = 2;                              ///< stresses of a tactel; of a pad 3, or 1
   int columns = 0;                           ///< tactels along x; 0: not known
   bool square = false;                       ///< the tactels of a pad lie along x as along y
+  bool markers = false;                      ///< `frames` are of markers (InputScaling::markers)
 
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 

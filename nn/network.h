@@ -60,6 +60,7 @@ struct InputScaling {
   float usual_stress = 1.0f;  ///< MPa, > 0: an input of features is peak / (peak + usual_stress), of the newest frame;
                               ///< not of `rest`
   bool friction = false;      ///< behind the stresses an input has mu and its spread as told (InputHistory::friction)
+  bool markers = false;       ///< in the place of stresses in MPa a frame has x and y of every marker, mm
 
   /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`), nor does
   /// one whose rest has a smaller P (`rest`).

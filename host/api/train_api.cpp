@@ -115,7 +115,7 @@ namespace {
 /// The rows of a set as its networks see them.
 nn::FrameSet shown(const Set& set, const std::string& name, const host::TrainingPlan& plan) {
   host::NamedSet named{name, api::to_host(set), {}};
-  named.rows = host::answered_rows(named.contacts, name, plan.target);
+  named.rows = host::answered_rows(named.contacts, name, plan.target, plan.markers);
   host::check_learnable(named.rows, name);
   host::check_width(plan, named);
   return host::shown_rows(named.rows.frames, plan.history, plan.magnitude, name);
@@ -154,10 +154,10 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
 namespace {
 
 /// Answers to all rows [rows], contact by contact.
-std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set) {
+std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set, std::span<const float> frames) {
   std::vector<Answer> answers(set.rows());
   if (network.frames() == 1) {
-    network.estimate(set.frames, answers);
+    network.estimate(frames, answers);
     return answers;
   }
   if (!set.press_rows || set.contact.size() != set.rows())
@@ -165,7 +165,7 @@ std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set) {
   SlipHistory history(network);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (i > 0 && set.contact[i] != set.contact[i - 1]) history.clear();
-    answers[i] = history.estimate(std::span(set.frames).subspan(i * set.inputs, set.inputs));
+    answers[i] = history.estimate(frames.subspan(i * history.inputs(), history.inputs()));
   }
   return answers;
 }
@@ -173,11 +173,17 @@ std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set) {
 }  // namespace
 
 Errors errors(const SlipEstimator& network, const Set& set) {
+  const bool markers = !network.metadata("inputs").empty();
+  std::vector<float> moved;  // [rows, markers, x and y]
+  for (std::size_t i = 0; markers && i < set.markers.size(); ++i)
+    if (i % 3 < 2) moved.push_back(set.markers[i]);
+  const std::vector<float>& frames = markers ? moved : set.frames;
   const std::size_t inputs = SlipHistory(network).inputs();
-  if (set.inputs != inputs || set.frames.size() != set.rows() * set.inputs)
-    throw InputError("set", std::to_string(set.inputs) + " inputs",
+  const std::size_t given = markers ? moved.size() / std::max<std::size_t>(set.rows(), 1) : set.inputs;
+  if (given != inputs || frames.size() != set.rows() * inputs)
+    throw InputError("set", std::to_string(given) + (markers ? " inputs of markers" : " inputs"),
                      "must be " + std::to_string(inputs) + " for the network " + network.topology());
-  const std::vector<Answer> answers = answers_of(network, set);
+  const std::vector<Answer> answers = answers_of(network, set, frames);
   Errors errors;
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < set.rows(); ++i) {

@@ -33,7 +33,7 @@ void calibrate_bounds(std::span<NamedNetwork> networks, const std::string& file,
                       const NetworkOptions& options, const std::string& output) {
   const ContactSet set = [&] {
     const StageLine stage("reading " + file, options.quiet);
-    return read_contact_set(file);
+    return read_contact_set(file, unread(false));
   }();
   Executor executor{Device(options.device)};
   for (NamedNetwork& network : networks) {

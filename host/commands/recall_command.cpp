@@ -81,9 +81,8 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, c
     return !interrupt.requested();
   };
   const bool keep_rows = !request.rows.empty() || !request.html.empty() || request.decides();
-  if (request.shared.precision == "fp64")
-    return recall_networks<double>(executor, networks, set, keep_rows, progress, request.spread);
-  return recall_networks<float>(executor, networks, set, keep_rows, progress, request.spread);
+  const Precision precision = request.shared.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  return recall_networks(executor, precision, networks, set, keep_rows, progress, request.spread);
 }
 
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
@@ -146,7 +145,7 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
     }
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
-  if (rows.target == nn::Target::slip_index)
+  if (rows.target == nn::Target::slip_index && !rows.frames.markers)
     text += "\nhow well S can be read at all: python -m tactel.floor SWEEP.toml (docs/judging.md)\n";
   return text + "\ndevice: " + device + "\n";
 }
@@ -172,11 +171,15 @@ int run_recall(const RecallRequest& request) {
       if (given) throw ConfigError("command line", option, request.set, "left out for a recording: it has no true S");
     return recall_recording(networks, request.set, request.shared, request.json, request.rows);
   }
+  const bool markers = networks.front().model.scaling.markers;
+  if (markers && request.decides())
+    throw ConfigError("command line", "--decision", "markers",
+                      "left out for networks of markers: alarms go by stresses");
   const ContactSet set = [&] {
     const StageLine stage("reading " + request.set, request.shared.quiet);
-    return read_contact_set(request.set);
+    return read_contact_set(request.set, unread(markers));
   }();
-  const AnsweredRows rows = answered_rows(set, request.set, target);
+  const AnsweredRows rows = answered_rows(set, request.set, target, markers);
   const Device device(request.shared.device);
   warn_of_unit(request, networks.front(), rows.frames);
   const auto results = recall(request, device, networks, rows.frames);

@@ -113,6 +113,8 @@ void take_pad(std::span<const float> all, std::size_t all_tactels, std::size_t f
 void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
   const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
   const auto frames = static_cast<std::size_t>(model.history.frames);
+  if (model.scaling.markers)
+    throw ConfigError("command line", "--network", "of markers", "a network of stresses, as sensors have them");
   if (model.scaling.features == nn::Features::pad)
     for (const PadLayout& pad : profile.pads)
       if (pad.count() == tactels && pad.tactels[0] != model.scaling.columns)

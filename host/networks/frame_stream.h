@@ -18,7 +18,7 @@ class FrameStream {
   virtual int at_once() const { return 0; }  ///< threads that may take blocks at once; 0: blocks are not made ahead
   virtual void stop() {}                     ///< blocks under way end soon; they and all others are then of no use
   virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
-  virtual int inputs() const = 0;            ///< of all frames of a row
+  virtual int inputs() const = 0;            ///< of a frame
   virtual std::string name() const = 0;      ///< its file
   /// Returns what its user should know of the frames.
   virtual std::vector<std::string> warnings() const { return {}; }

@@ -30,6 +30,7 @@ struct TrainingPlan {
   bool magnitude = false;                       ///< learn |S|
   float alarm_at = 0;                           ///< nn::Learnt::alarm_at of its networks
   nn::Target target = nn::Target::slip_index;   ///< that the learning set has in the place of S
+  bool markers = false;                         ///< frames are of markers
   nn::Features features = nn::Features::frame;  ///< before networks, whose topologies have the inputs without them
 
   /// Rows that judge each network after each of its cycles, of mini-batches alone; its result is then the weights of

@@ -89,7 +89,8 @@ void read_attributes(const SetFile& in, ContactSet& set) {
 
 /// Every dataset of a set file, open, with as many rows as slip_index.
 struct Columns {
-  explicit Columns(const SetFile& in) : of(columns_of(in)) {
+  Columns(const SetFile& in, const char* without) : of(columns_of(in)) {
+    of.left_out.insert(without);
     ContactSet set(of);
     rows = in.column<float>("slip_index", false).rows;
     each_dataset(set, [&](const char* name, auto& values, int width, const char*) {
@@ -246,15 +247,15 @@ nn::FrameSet ContactSet::frames_with_answers() const {
 }
 
 struct ContactSetReader::State {
-  explicit State(const std::filesystem::path& path) : in(path), columns(in) {}
+  State(const std::filesystem::path& path, const char* without) : in(path), columns(in, without) {}
   SetFile in;
   Columns columns;
 };
 
-ContactSetReader::ContactSetReader(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
+ContactSetReader::ContactSetReader(const std::filesystem::path& path, const char* without)
+    : state_(std::make_unique<State>(path, without)) {}
 ContactSetReader::~ContactSetReader() = default;
 std::uint64_t ContactSetReader::rows() const { return state_->columns.rows; }
-int ContactSetReader::inputs() const { return state_->columns.of.inputs; }
 const SetColumns& ContactSetReader::columns() const { return state_->columns.of; }
 
 ContactSet ContactSetReader::read(std::uint64_t first, std::uint64_t count) const {
@@ -275,9 +276,9 @@ ContactSet read_attributes(const std::filesystem::path& path) {
   return set;
 }
 
-ContactSet read_contact_set(const std::filesystem::path& path) {
+ContactSet read_contact_set(const std::filesystem::path& path, const char* without) {
   const SetFile in(path);
-  const Columns columns(in);
+  const Columns columns(in, without);
   check_memory(in, columns.rows, columns.of, columns.parameters ? columns.parameters->rows : 0);
   ContactSet set = within_memory(in, [&] {
     ContactSet rows = columns.read(in, 0, columns.rows);

@@ -238,10 +238,9 @@ void write_contact_set(const std::filesystem::path& path, const ContactSet& set)
 /// Reads parts of a set file. Throws ConfigError as read_contact_set.
 class ContactSetReader {
  public:
-  explicit ContactSetReader(const std::filesystem::path& path);
+  explicit ContactSetReader(const std::filesystem::path& path, const char* without = "");
   ~ContactSetReader();
   std::uint64_t rows() const;
-  int inputs() const;
   const SetColumns& columns() const;
   /// Returns rows first ... first + count - 1, which must exist; of the attributes, indenter_names and
   /// press_rows.
@@ -252,9 +251,9 @@ class ContactSetReader {
   std::unique_ptr<State> state_;
 };
 
-/// Reads a whole set. Throws ConfigError where the file cannot be read, is not a set, is damaged, has datasets of
-/// the wrong rank, type or extent, or exceeds the memory of the machine.
-ContactSet read_contact_set(const std::filesystem::path& path);
+/// Reads a whole set but for the dataset `without`. Throws ConfigError where the file cannot be read, is not a set, is
+/// damaged, has datasets of the wrong rank, type or extent, or exceeds the memory of the machine.
+ContactSet read_contact_set(const std::filesystem::path& path, const char* without = "");
 /// Returns the text of the sweep file of a set. Throws as read_contact_set.
 std::string contact_set_sweep(const std::filesystem::path& path);
 

@@ -35,9 +35,17 @@ int columns_of(const ContactSet& set) {
   return static_cast<int>(std::ranges::count(set.tactel_y, set.tactel_y.front()));
 }
 
+/// Copies the numbers of a row's frame. Returns where the next one stands.
+float* copy_frame(const ContactSet& set, std::size_t row, bool markers, float* to) {
+  if (!markers) return std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
+  for (int k = 0; k < set.marker_numbers; k += 3)
+    to = std::copy_n(set.markers.data() + row * set.marker_numbers + k, 2, to);
+  return to;
+}
+
 }  // namespace
 
-AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
+AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target, bool markers) {
   AnsweredRows answered;
   answered.target = target;
   for (std::size_t row = 0; row < set.rows(); ++row)
@@ -45,28 +53,31 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   answered.left_out = set.rows() - answered.row.size();
   if (answered.row.empty()) return answered;
   nn::FrameSet& frames = answered.frames;
-  frames.frames.resize(static_cast<Eigen::Index>(answered.row.size()), set.inputs);
+  frames.frames.resize(static_cast<Eigen::Index>(answered.row.size()), frame_inputs(set, markers));
   frames.slip_index.resize(frames.frames.rows());
   frames.shape_class.reserve(answered.row.size()), frames.contact_nodes.reserve(answered.row.size());
   frames.contact.reserve(answered.row.size()), frames.step.reserve(answered.row.size());
   float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
-    to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
+    to = copy_frame(set, row, markers, to);
     const std::array<float, 2> answer = answer_of(set, target, row);
     frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) =
         nn::is_slide(target) ? nn::slid_target(std::hypot(answer[0], answer[1])) : answer[0];
     if (nn::is_slide(target) && target != nn::Target::slid_ahead) frames.slid.push_back(answer);
     frames.slip.push_back(set.slip_index[row]);
     frames.shape_class.push_back(set.indenter[row]);
-    const float* frame = set.frames.data() + row * set.inputs;
-    frames.contact_nodes.push_back(set.pad ? nn::touching_tactels(frame, set.inputs / set.axes)
-                                           : set.contact_nodes[row]);
+    if (!markers)
+      frames.contact_nodes.push_back(
+          set.pad ? nn::touching_tactels(set.frames.data() + row * set.inputs, set.inputs / set.axes)
+                  : set.contact_nodes[row]);
     if (set.pad) frames.torque.push_back(nn::torque_class(set.slip_index[row], set.force_ratio[row]));
     if (!set.friction.empty()) frames.friction.push_back(set.friction[row]);
     frames.contact.push_back(set.contact[row]);
     frames.step.push_back(set.step[row]);
   }
   frames.press_rows = set.press_rows;
+  frames.markers = markers;
+  if (markers) return answered;
   frames.axes = set.axes;
   const auto tactels = static_cast<std::size_t>(set.inputs / set.axes);
   frames.columns = set.pad ? columns_of(set) : static_cast<int>(tactels);
@@ -76,7 +87,9 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   return answered;
 }
 
-void require_answers(const SetColumns& columns, const std::string& file, nn::Target target) {
+void require_answers(const SetColumns& columns, const std::string& file, nn::Target target, bool markers) {
+  if (markers && columns.marker_numbers == 0)
+    throw ConfigError(file, "markers", "missing", "a set of pads with [markers] in their sweep");
   if (target == nn::Target::force_ratio && !columns.pad)
     throw ConfigError(file, nn::name(target), "missing", "a set of pads; of lines slip_index is this ratio");
   if (nn::is_slide(target) && !columns.pad)
@@ -88,13 +101,13 @@ void require_answers(const SetColumns& columns, const std::string& file, nn::Tar
                       "a set that is generated anew, with both");
   require_datasets(
       columns, file,
-      {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status", nn::name(target)});
+      {unread(!markers), "slip_index", "contact_nodes", "contact", "step", "indenter", "status", nn::name(target)});
   if (columns.pad) require_datasets(columns, file, {"force_ratio"});
 }
 
-AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target) {
-  require_answers(set, file, target);
-  AnsweredRows answered = find_answered_rows(set, target);
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target, bool markers) {
+  require_answers(set, file, target, markers);
+  AnsweredRows answered = find_answered_rows(set, target, markers);
   if (answered.row.empty())
     throw ConfigError(file, nn::name(target),
                       fmt::format("{} rows, none of them solved with a slippage index", set.rows()),
@@ -117,7 +130,7 @@ void check_learnable(const AnsweredRows& rows, const std::string& file, std::uin
   for (Eigen::Index i = 0; i < rows.frames.rows(); ++i) {
     const std::uint64_t row = first_row + rows.row[static_cast<std::size_t>(i)];
     if (!all_finite && !rows.frames.frames.row(i).allFinite())
-      throw ConfigError(file, fmt::format("inputs[{}]", row), "NaN or infinity", "finite");
+      throw ConfigError(file, fmt::format("{}[{}]", unread(!rows.frames.markers), row), "NaN or infinity", "finite");
     if (std::abs(rows.frames.slip_index(i)) > nn::FrameSet::largest_slip_index)
       throw ConfigError(file, fmt::format("{}[{}]", nn::name(rows.target), row),
                         fmt::format("{}", rows.frames.slip_index(i)), "finite, usually 0 to 1");

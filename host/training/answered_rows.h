@@ -19,12 +19,20 @@ struct AnsweredRows {
   nn::Target target = nn::Target::slip_index;
 };
 
+/// Returns the dataset that networks of stresses or of markers do not read, and the numbers of a frame of theirs.
+inline const char* unread(bool markers) { return markers ? "inputs" : "markers"; }
+inline int frame_inputs(const SetColumns& set, bool markers) {
+  return markers ? set.marker_numbers / 3 * 2 : set.inputs;
+}
 /// Throws ConfigError naming `file` and a dataset that training and judging need and that the set has not.
-void require_answers(const SetColumns& columns, const std::string& file, nn::Target target = nn::Target::slip_index);
-/// Returns none where no row has an answer.
-AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target = nn::Target::slip_index);
+void require_answers(const SetColumns& columns, const std::string& file, nn::Target target = nn::Target::slip_index,
+                     bool markers = false);
+/// Returns none where no row has an answer. markers: frames are x and y of /markers.
+AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target = nn::Target::slip_index,
+                                bool markers = false);
 /// The same; throws ConfigError naming `file` when no row is left.
-AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target = nn::Target::slip_index);
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target = nn::Target::slip_index,
+                           bool markers = false);
 
 /// Returns the rows as a network takes them: with history (nn::with_history, also for `spread`), and with |S| in place
 /// of S for `magnitude`. Throws ConfigError naming `file` for rows that no history can be formed from.

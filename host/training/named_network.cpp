@@ -45,6 +45,9 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
 
 void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
   const int frames = network.model.history.frames, inputs = network.model.numbers();
+  if (network.model.scaling.markers != set.markers)
+    throw ConfigError(network.file, "inputs", set.markers ? "stresses" : "markers",
+                      set.markers ? "markers, as of the others" : "stresses, as of the others");
   if (inputs != nn::numbers_of(network.model.history, static_cast<int>(set.frames.cols())))
     throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
                       frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())
@@ -103,9 +106,9 @@ std::vector<NamedNetwork> read_networks(const fs::path& path) {
 }
 
 template <class Real>
-std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
-                                                          const nn::FrameSet& set, bool keep_rows,
-                                                          const Progress& progress, double spread) {
+static std::optional<std::vector<NetworkResult>> recall_in(Executor& executor, std::span<const NamedNetwork> networks,
+                                                           const nn::FrameSet& set, bool keep_rows,
+                                                           const Progress& progress, double spread) {
   for (const NamedNetwork& network : networks) check_width(network, set);
   std::optional<nn::FrameSet> formed;  // where a network takes other than single frames and S
   std::optional<DeviceFrames> frames;
@@ -141,11 +144,12 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
   return results;
 }
 
-template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&, std::span<const NamedNetwork>,
-                                                                          const nn::FrameSet&, bool, const Progress&,
-                                                                          double);
-template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&, std::span<const NamedNetwork>,
-                                                                           const nn::FrameSet&, bool, const Progress&,
-                                                                           double);
+std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, Precision precision,
+                                                          std::span<const NamedNetwork> networks,
+                                                          const nn::FrameSet& set, bool keep_rows,
+                                                          const Progress& progress, double spread) {
+  const auto recall = precision == Precision::fp64 ? recall_in<double> : recall_in<float>;
+  return recall(executor, networks, set, keep_rows, progress, spread);
+}
 
 }  // namespace tactel::host

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/device/executor.h"
+#include "host/support/precision.h"
 #include "host/training/answered_rows.h"
 #include "host/training/bound_report.h"
 #include "nn/metrics.h"
@@ -43,20 +44,11 @@ struct NetworkResult {
 
 /// Evaluates every network on every row, in the order of `networks`. spread: of what is told of mu (nn::with_history);
 /// infinity: nothing. Returns none where progress stops it. Throws
-/// ConfigError, naming the file of the network, for frames of another width.
-template <class Real>
-std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
+/// ConfigError, naming the file of the network, for frames of another width or other inputs.
+std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, Precision precision,
+                                                          std::span<const NamedNetwork> networks,
                                                           const nn::FrameSet& set, bool keep_rows,
                                                           const Progress& progress, double spread = told_nothing);
-
-extern template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&,
-                                                                                 std::span<const NamedNetwork>,
-                                                                                 const nn::FrameSet&, bool,
-                                                                                 const Progress&, double);
-extern template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&,
-                                                                                  std::span<const NamedNetwork>,
-                                                                                  const nn::FrameSet&, bool,
-                                                                                  const Progress&, double);
 
 /// Calibrates the bound of a network anew by the rows of a set, in the classes of today (nn::renew_classes): in fp32,
 /// as monitor and the libraries evaluate it. `file`: of the set, for errors and the network's metadata. Throws

@@ -25,6 +25,7 @@ std::string label_of(const nn::Model& model) {
   std::string label = model.weights.topology.text();
   if (model.noise != 0) label += fmt::format(" {:g}%", 100 * model.noise);
   if (model.scaling.kind != nn::ScalingKind::set) label += fmt::format(" {}", nn::name(model.scaling.kind));
+  if (model.scaling.markers) label += " markers";
   if (model.history.path() > 1) label += fmt::format(" {}:{}", model.history.path(), model.history.stride);
   return label;
 }
@@ -144,9 +145,10 @@ std::string error_table_by_kind(std::span<const NamedNetwork> networks, std::spa
   const std::vector<Group> groups = groups_of(networks);
   const auto name = [&](int kind) { return indenter_name(indenter_names, kind); };
   const bool pad = !results.empty() && !results.front().errors.by_torque.empty();
-  std::string text = lines_by_kind(results, groups, "mean by indenter", &nn::ErrorReport::by_class, name) + "\n" +
-                     lines_by_kind(results, groups, pad ? "by tactels touching" : "by nodes touching",
-                                   &nn::ErrorReport::by_contact_nodes, [](int nodes) { return std::to_string(nodes); });
+  std::string text = lines_by_kind(results, groups, "mean by indenter", &nn::ErrorReport::by_class, name);
+  if (results.empty() || !results.front().errors.by_contact_nodes.empty())
+    text += "\n" + lines_by_kind(results, groups, pad ? "by tactels touching" : "by nodes touching",
+                                 &nn::ErrorReport::by_contact_nodes, [](int nodes) { return std::to_string(nodes); });
   if (pad)
     text += "\n" + lines_by_kind(results, groups, "by torque", &nn::ErrorReport::by_torque, nn::torque_class_name);
   return text;

@@ -33,6 +33,7 @@ std::string text_of(const ShownRows& shown) {
   const nn::InputHistory& h = shown.history;
   return (h.path() > 1 ? fmt::format(" history {}:{} change {:a}", h.path(), h.stride, h.change) : "") +
          (h.rest ? " rest" : "") + (h.friction ? " friction" : "") + (shown.magnitude ? " magnitude" : "") +
+         (shown.markers ? " markers" : "") +
          (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }
 
@@ -62,12 +63,13 @@ class SimulatedStream : public FrameStream {
         simulator_(executor, sweep_.source, options_) {
     if (!sweep_.contacts().endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
+    require_answers(columns_of(sweep_.source), name_, shown_.target, shown_.markers);
   }
   nn::FrameSet block(std::uint64_t k) override {
     const auto range = simulator_.prepare(k * contacts_, contacts_);
     simulator_.run(*range, {.progress = [this](std::size_t, std::size_t) { return !stopped_; }});
     if (stopped_) return {};
-    AnsweredRows rows = answered_rows(simulator_.collect(*range), name_, shown_.target);
+    AnsweredRows rows = answered_rows(simulator_.collect(*range), name_, shown_.target, shown_.markers);
     check_learnable(rows, name_);
     return as_shown(std::move(rows.frames), shown_, name_);
   }
@@ -75,7 +77,7 @@ class SimulatedStream : public FrameStream {
   void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
   std::string name() const override { return name_; }
-  int inputs() const override { return nn::numbers_of(shown_.history, sweep_.contacts().inputs()); }
+  int inputs() const override { return frame_inputs(columns_of(sweep_.source), shown_.markers); }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> all = unit_warnings(sweep_.source);
     const auto* lines = std::get_if<SceneSource>(&sweep_.source);
@@ -106,8 +108,13 @@ class FileStream : public FrameStream {
  public:
   FileStream(const std::filesystem::path& file, std::uint64_t rows, std::uint64_t seed, nn::PresentationOrder order,
              const ShownRows& shown)
-      : name_(file.string()), reader_(file), rows_(rows), seed_(seed), how_(order), shown_(shown) {
-    require_answers(reader_.columns(), name_, shown_.target);
+      : name_(file.string()),
+        reader_(file, unread(shown.markers)),
+        rows_(rows),
+        seed_(seed),
+        how_(order),
+        shown_(shown) {
+    require_answers(reader_.columns(), name_, shown_.target, shown_.markers);
     if (reader_.rows() == 0) throw ConfigError(name_, "slip_index", "0 rows", "at least one row to learn from");
   }
 
@@ -118,14 +125,14 @@ class FileStream : public FrameStream {
     pass_ = pass;
     std::uint64_t first = order_[k % blocks()] * rows_, end = std::min(first + rows_, reader_.rows());
     if (shown_.history.frames > 1) first = contact_border(first), end = contact_border(end);
-    AnsweredRows rows = find_answered_rows(reader_.read(first, end - first), shown_.target);
+    AnsweredRows rows = find_answered_rows(reader_.read(first, end - first), shown_.target, shown_.markers);
     check_learnable(rows, name_, first);
     if (rows.row.empty()) return std::move(rows.frames);
     return as_shown(std::move(rows.frames), shown_, name_);
   }
   std::uint64_t blocks() const override { return (reader_.rows() + rows_ - 1) / rows_; }
   std::string name() const override { return name_; }
-  int inputs() const override { return nn::numbers_of(shown_.history, reader_.inputs()); }
+  int inputs() const override { return frame_inputs(reader_.columns(), shown_.markers); }
   std::string description() const override {
     return "file " + std::to_string(reader_.rows()) + " rows, " + std::to_string(rows_) + " a block, " +
            nn::name(how_) + ", seed " + std::to_string(seed_) + text_of(shown_) + "\n" + contact_set_sweep(name_);

@@ -15,6 +15,7 @@ struct ShownRows {
   nn::InputHistory history{};
   bool magnitude = false;
   nn::Target target = nn::Target::slip_index;
+  bool markers = false;
 };
 
 /// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new

@@ -32,6 +32,7 @@ struct TrainRequest : TrainOptions {
   /// Images of a line's frame have S of both signs.
   bool learns_magnitude() const { return magnitude || features == "line"; }
   bool cosine() const { return schedule == "cosine"; }
+  bool markers() const { return inputs == "markers"; }
   bool batches() const { return streams() || cosine() || schedule == "batch"; }
 };
 inline constexpr std::uint64_t default_rows = 10'000'000;
@@ -44,8 +45,11 @@ inline constexpr std::tuple train_options{
            {.positive = true}),
     Option("--first-seed,--seed", &TrainRequest::first_seed, "Learning:4",
            "first seed of initial weights, order and noise"),
+    Option("--inputs", &TrainRequest::inputs, "Input:7",
+           "what networks take: stresses, or markers, how each moves along x and y, mm, of pads with [markers]",
+           {.words = {"stresses", "markers"}}),
     Option("--noise", &TrainRequest::noises, "Input:4",
-           "standard deviation of Gaussian noise on the learning set over its largest |stress|, 0.1 for 10 %; "
+           "standard deviation of Gaussian noise on the learning set over its largest |input|, 0.1 for 10 %; "
            "repeatable (default: 0)"),
     Option("--scaling", &TrainRequest::scaling, "Network:5",
            "divisor of the stresses: set, the learning set's largest |stress|; frame, each frame's own largest normal "

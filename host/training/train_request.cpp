@@ -37,10 +37,11 @@ std::string given(bool value) { return value ? "given" : ""; }
 std::string given(const std::string& value) { return value; }
 std::string given(const auto& value) { return value ? fmt::format("{}", *value) : ""; }
 
-/// Refuses an option that was given and would not be used.
-void refuse(const TrainRequest& request, auto member, const std::string& allowed) {
+/// Refuses options that were given and would not be used.
+void refuse(const TrainRequest& request, auto member, const std::string& allowed, auto... more) {
   if (const std::string value = given(request.*member); !value.empty())
     throw ConfigError("command line", flag_of(train_options, member), value, allowed);
+  (refuse(request, more, allowed), ...);
 }
 
 void refuse_beside_stream(const TrainRequest& request) {
@@ -53,8 +54,19 @@ void refuse_beside_stream(const TrainRequest& request) {
   if (request.noises.size() > 1) throw ConfigError("command line", "--noise", "several levels", "one level" + beside);
 }
 
+void refuse_beside_markers(const TrainRequest& request) {
+  using T = TrainRequest;
+  const std::string beside = " with --inputs markers";
+  if (request.inputs != "markers") throw ValueError("inputs", request.inputs, "stresses or markers");
+  if (request.scaling != "set") refuse(request, &T::scaling, "set, or left out," + beside);
+  if (request.features != "frame") refuse(request, &T::features, "frame, or left out," + beside);
+  refuse(request, &T::bound, "left out" + beside + ": it goes by the tactels that touch");
+  refuse(request, &T::alarm_at, "left out" + beside + ": an alarm goes by stresses");
+}
+
 void refuse_unused(const TrainRequest& request) {
   using T = TrainRequest;
+  if (request.inputs != "stresses") refuse_beside_markers(request);
   if (request.streams())
     refuse_beside_stream(request);
   else
@@ -71,12 +83,8 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request, &T::bound, "left out, or with --schedule batch");
     if (request.activation != "logistic")
       refuse(request, &T::activation, "logistic, left out, or with --schedule batch");
-    const std::string allowed = "left out, or with --schedule batch or cosine";
-    refuse(request, &T::optimizer, allowed);
-    refuse(request, &T::batch, allowed);
-    refuse(request, &T::loss, allowed);
-    refuse(request, &T::average, allowed);
-    refuse(request, &T::validation_set, allowed);
+    refuse(request, &T::optimizer, "left out, or with --schedule batch or cosine", &T::batch, &T::loss, &T::average,
+           &T::validation_set);
   } else if (request.optimizer.empty() || request.optimizer == "adam") {
     refuse(request, &T::momentum, "left out, or with --optimizer delta or --schedule online");
   }
@@ -124,6 +132,12 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, const nn::I
   return topologies;
 }
 
+/// The name of a plan's topology as the user gives it: without the inputs of the rest and what is told.
+std::string named(const nn::Topology& topology, const nn::InputHistory& history) {
+  return topology.with_inputs((topology.inputs() - (history.friction ? 2 : 0)) / history.frames * history.path())
+      .text();
+}
+
 }  // namespace
 
 nn::InputHistory parse_history(const std::string& text, std::optional<double> change) {
@@ -146,14 +160,14 @@ nn::InputHistory parse_history(const std::string& text, std::optional<double> ch
   return history;
 }
 
-NamedSet read_set(const std::string& file, nn::Target target) {
-  NamedSet set{file, read_contact_set(file), {}};
-  set.rows = answered_rows(set.contacts, file, target);
+NamedSet read_set(const std::string& file, nn::Target target, bool markers) {
+  NamedSet set{file, read_contact_set(file, unread(markers)), {}};
+  set.rows = answered_rows(set.contacts, file, target, markers);
   return set;
 }
 
 NamedSet read_learning_set(const TrainRequest& request) try {
-  NamedSet set = read_set(request.set, nn::parse_target(request.target));
+  NamedSet set = read_set(request.set, nn::parse_target(request.target), request.markers());
   check_learnable(set.rows, request.set);
   set.rows.frames = shown_rows(set.rows.frames, history_of(request), request.learns_magnitude(), request.set);
   set.rows.frames.validate();
@@ -170,6 +184,7 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   plan.magnitude = request.learns_magnitude();
   plan.features = nn::parse_features(request.features);
   plan.target = nn::parse_target(request.target);
+  plan.markers = request.markers();
   plan.alarm_at = static_cast<float>(request.alarm_at.value_or(0));
   plan.topologies = topologies_of(request, plan.history);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
@@ -196,20 +211,19 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   blame_option(error);
 }
 
-std::string named(const nn::Topology& topology, const nn::InputHistory& history) {
-  return topology.with_inputs((topology.inputs() - (history.friction ? 2 : 0)) / history.frames * history.path())
-      .text();
-}
-
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
   if (plan.history.path() > 1 && !set.contacts.press_rows)
     throw ConfigError(set.file, "press_rows", "absent",
                       "rows of the pressing, for --history: [sweep] press_rows = true gives them");
-  const int inputs = set.contacts.inputs, frames = plan.history.path();
+  check_width(plan, frame_inputs(set.contacts, plan.markers), set.file);
+}
+
+void check_width(const TrainingPlan& plan, int inputs, const std::string& file) {
+  const int frames = plan.history.path();
   for (const nn::Topology& topology : plan.topologies)
     if (topology.inputs() != nn::numbers_of(plan.history, inputs))
       throw ConfigError("command line", "--network", named(topology, plan.history),
-                        frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, set.file)
+                        frames == 1 ? fmt::format("a network with {} inputs, as many as {} has", inputs, file)
                                     : fmt::format("a network with {} inputs, {} for each of {} frames", inputs * frames,
                                                   inputs, frames));
 }

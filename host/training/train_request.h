@@ -19,7 +19,7 @@ struct NamedSet {
   AnsweredRows rows;
 };
 /// Throws ConfigError as read_contact_set and answered_rows.
-NamedSet read_set(const std::string& file, nn::Target target = nn::Target::slip_index);
+NamedSet read_set(const std::string& file, nn::Target target = nn::Target::slip_index, bool markers = false);
 /// The same for the learning set, with history and |S| where they are asked for. Throws ConfigError also for a set that
 /// cannot train a network.
 NamedSet read_learning_set(const TrainRequest& request);
@@ -27,10 +27,9 @@ NamedSet read_learning_set(const TrainRequest& request);
 /// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
 /// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
-/// Returns the name of a plan's topology as the user gives it: without the inputs of the rest and what is told.
-std::string named(const nn::Topology& topology, const nn::InputHistory& history);
-/// Throws ConfigError where a network's number of inputs differs from the set's, or the set lacks the rows that the
-/// plan's history needs.
+/// Throws ConfigError where a network's number of inputs is not that of the plan's frames, of so many `inputs` each.
+void check_width(const TrainingPlan& plan, int inputs, const std::string& file);
+/// The same of a set; also where it lacks the rows that the plan's history needs.
 void check_width(const TrainingPlan& plan, const NamedSet& set);
 
 }  // namespace tactel::host

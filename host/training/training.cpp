@@ -56,6 +56,7 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
         {"frames", plan.history.path()}, {"stride", plan.history.stride}, {"change", plan.history.change}};
   if (plan.magnitude) options["magnitude"] = true;
   if (plan.history.friction) options["friction"] = true;
+  if (plan.markers) options["inputs"] = "markers";
   if (!plan.batch) return options;
   options["batch"] = plan.batch->batch;
   options["optimizer"] = nn::name(plan.batch->rule);
@@ -221,7 +222,7 @@ class Training {
       outcome.tables = {fmt::format("{} on the learning set, noise included\n", errors_of(plan_.target)) +
                         error_table(networks, learnt)};
     if (lesson_.recall) {
-      recalled = *recall_networks<Real>(executor_, networks, lesson_.recall->rows.frames, false, Progress());
+      recalled = *recall_networks(executor_, precision_of<Real>, networks, lesson_.recall->rows.frames, false, {});
       outcome.tables.push_back(
           fmt::format("{} on {}\n{}", errors_of(plan_.target), lesson_.recall->file, error_table(networks, recalled)));
     }
@@ -343,7 +344,7 @@ Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device
     if (watch.stage) watch.stage(file.empty() ? "" : "reading " + file);
   };
   Lesson lesson;
-  const ShownRows shown{plan.history, plan.magnitude, plan.target};
+  const ShownRows shown{plan.history, plan.magnitude, plan.target, plan.markers};
   if (!request.stream.empty()) {
     lesson.simulation = std::make_unique<Executor>(device);
     lesson.stream = simulated_stream(*lesson.simulation, request.stream, contacts_a_block, request.rung, {}, shown);
@@ -357,21 +358,16 @@ Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device
   }
   if (!request.validation_set.empty()) {
     stage(request.validation_set);
-    const NamedSet set = read_set(request.validation_set, plan.target);
+    const NamedSet set = read_set(request.validation_set, plan.target, plan.markers);
     check_width(plan, set);
     check_learnable(set.rows, set.file);
     plan.validation =
         std::make_shared<nn::FrameSet>(shown_rows(set.rows.frames, plan.history, plan.magnitude, set.file));
   }
-  for (const nn::Topology& topology : plan.topologies)
-    if (lesson.stream && topology.inputs() != lesson.stream->inputs())
-      throw ConfigError("command line", "--network", named(topology, plan.history),
-                        fmt::format("a network with {} inputs, as many as the frames have",
-                                    (lesson.stream->inputs() - (plan.history.friction ? 2 : 0)) / plan.history.frames *
-                                        plan.history.path()));
+  if (lesson.stream) check_width(plan, lesson.stream->inputs(), lesson.name());
   if (!request.recall_set.empty()) {
     stage(request.recall_set);
-    lesson.recall = read_set(request.recall_set, plan.target);
+    lesson.recall = read_set(request.recall_set, plan.target, plan.markers);
     check_width(plan, *lesson.recall);
   }
   stage("");

@@ -68,6 +68,8 @@ AlarmOptions checked(const SlipEstimator& network, AlarmOptions options) {
   options.touch = options.touch.value_or(network.smallest_peak());
   options.rest |= network.needs_rest() || options.signal != AlarmSignal::slip;
   const std::string target = network.metadata("target");
+  if (!network.metadata("inputs").empty())
+    throw InputError("network", "of markers", "give one of stresses, by which an alarm goes");
   const bool left = options.signal == AlarmSignal::left, own = options.at == AlarmOptions().at && !left;
   if (left && options.at == AlarmOptions().at) options.at = 1;
   if (own && estimates_slide(network) && network.alarm_at() == 0)

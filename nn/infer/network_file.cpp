@@ -85,6 +85,7 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
   }
   if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
   if (model.scaling.friction) metadata["friction"] = "1";
+  if (model.scaling.markers) metadata["inputs"] = "markers";
   if (model.scaling.features != nn::Features::frame) {
     metadata["features"] = nn::name(model.scaling.features);
     metadata["tactel_columns"] = exact(model.scaling.columns);
@@ -190,7 +191,9 @@ string bytes_of(const nn::Model& model, const string& version, bool unsaid = fal
   message.add(producer_name, "tactel");
   message.add(producer_version, version);
   const string what = model.target == nn::Target::slip_index ? "slippage index S = Q / (mu P)" : nn::name(model.target);
-  message.add(doc_string, what + " from stresses at the tactels in MPa, normal stresses first");
+  message.add(doc_string,
+              what + (model.scaling.markers ? " from displacements of markers in mm, x and y of each"
+                                            : " from stresses at the tactels in MPa, normal stresses first"));
   message.add(graph, message_of(contents));
   opset.add(opset_domain, "");
   opset.add(opset_version, 13);
@@ -385,6 +388,7 @@ nn::Model model_of(const Contents& contents) {
   model.scaling = {nn::parse_scaling(text_of(metadata, "scaling")), number_of<float>(metadata, "largest_stress"),
                    model.history.frames, metadata.contains("axes") ? number_of<int>(metadata, "axes") : 2};
   model.scaling.friction = model.history.friction = metadata.contains("friction");
+  model.scaling.markers = metadata.contains("inputs");
   if (metadata.contains("features")) {
     model.scaling.features = nn::parse_features(text_of(metadata, "features"));
     model.scaling.columns = number_of<int>(metadata, "tactel_columns");

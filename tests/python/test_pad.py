@@ -351,6 +351,33 @@ class Networks(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, "must be frame"):
             tactel.train(rows, (48, 8, 1), features="pad")
 
+    def test_of_markers_are_those_of_stresses_in_their_place(self):
+        """They are those of stresses on x and y of the markers in the place of stresses, to the bit."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "sweep.toml"
+            file.write_text("[sweep]\ncontacts = 40\npress_rows = true\n[sensor]\nkind = 'pad'\ntactels = [2, 2]\nthickness = 2\n"
+                            "[indenter]\nshape = 'sphere'\nradius = { uniform = [4, 9] }\n[load]\nindentation = 0.2\n"
+                            "tangential = [[{ uniform = [0, 0.1] }, 0.05], [0.1, 0.1]]\n[markers]\ncounts = [3, 2]\npitch = 1.5\n")
+            rows = tactel.Sweep(file).generate(rung="pad-8")
+        seen = rows.markers[:, :, :2].reshape(len(rows), 12)
+        solved = rows.status < 2
+        swapped = tactel.Set(seen[solved], rows.slip_index[solved])
+        (ours,), (same,) = (tactel.train(data, (12, 8, 1), cycles=20, inputs=of) for data, of in ((rows, "markers"), (swapped, "stresses")))
+        np.testing.assert_array_equal(ours(seen), same(seen))
+        self.assertEqual(ours.errors(rows).mean, same.errors(swapped).mean)
+        self.assertEqual(ours.errors(rows).rows, solved.sum())
+        # Contact by contact, as its history asks: better than a constant.
+        (path,) = tactel.train(rows, (24, 8, 1), cycles=300, inputs="markers", history=2)
+        s = rows.slip_index[solved]
+        self.assertLess(path.errors(rows).mean, 0.5 * np.abs(s - np.median(s)).mean())
+        for wrong in (lambda: tactel.train(swapped, (12, 8, 1), inputs="markers"), lambda: ours.errors(swapped)):
+            with self.assertRaisesRegex(tactel.InputError, "markers"):
+                wrong()
+        with self.assertRaisesRegex(tactel.InputError, "--scaling|scaling"):
+            tactel.train(rows, (12, 8, 1), inputs="markers", scaling="frame")
+        with self.assertRaisesRegex(tactel.InputError, "network: of markers; give one of stresses"):
+            tactel.Alarm(ours)
+
 
 class Solve(unittest.TestCase):
     def test_equals_the_program(self):

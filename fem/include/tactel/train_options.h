@@ -38,6 +38,7 @@ struct TrainOptions {
   std::string target = "slip_index";       ///< column to learn: "slip_index", "force_ratio", "stick_fraction", "slid",
                                            ///< "slip_path", "net_slip", "slid_ahead"
   bool friction = false;                   ///< networks take mu as far as it is known, Alarm::friction
+  std::string inputs = "stresses";         ///< or "markers": how each moves along x and y, mm, of a set with markers
 };
 
 }  // namespace tactel

@@ -285,7 +285,7 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
           rate: float | None = None, warm_up: float | None = None, average: float | None = None, validation: Set | None = None,
           patience: int | None = None, bound: bool = False, level: float | None = None, history: int | str = "",
           history_change: float | None = None, target: Literal["slip_index", "force_ratio", "stick_fraction", "slid", "slip_path", "net_slip", "slid_ahead"] = "slip_index",
-          friction: bool = False, device: str = "", progress: Shown = None) -> list[Network]:
+          friction: bool = False, inputs: Literal["stresses", "markers"] = "stresses", device: str = "", progress: Shown = None) -> list[Network]:
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 
     layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of mini-batches) or "6" (of the paper), or a list
@@ -296,8 +296,8 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
     judges each cycle; the weights of the smallest mean error are kept, and `patience` cycles without a smaller one end a
     training. bound: with the heads of an upper bound of S at `level` (0.95); `tactel calibrate bound` calibrates it. history:
     the last k frames kept by change of load (history_change, 0.1) as one input, "k" or "k:stride", of a set with press_rows.
-    target: the column to learn. friction: networks take mu as far as it is known, Alarm.friction. A network that diverges has no
-    entry.
+    target: the column to learn. friction: networks take mu as far as it is known, Alarm.friction. inputs: "markers", how each
+    moves along x and y, set.markers[:, :, :2], in the place of stresses. A network that diverges has no entry.
     """
     words = locals() | {"network": _widths(layers), "noise": [noise] if isinstance(noise, (int, float)) else list(noise), "history": str(history)}
     with _Progress(progress, "training", "weight updates") as told:

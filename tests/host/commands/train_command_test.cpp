@@ -2,8 +2,10 @@
 
 // `tactel train` and `tactel recall` as a user meets them: files, tables, wrong calls, and sets at their extremes.
 #include <gmock/gmock.h>
+#include <tactel/infer.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -11,6 +13,7 @@
 #include "host/networks/onnx_file.h"
 #include "host/sets/contact_set.h"
 #include "host/training/answered_rows.h"
+#include "nn/forward.h"
 #include "tests/host/sets/network_files.h"
 
 namespace train_command_test {
@@ -457,6 +460,182 @@ twist = { uniform = [0, 20] }
   EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "theirs", set}), {"networks of one target"}));
 }
 
+/// 60 contacts of balls with a skin of 2 x 2 tactels and 6 markers.
+std::string marked_set(const ScratchFolder& folder, const std::string& name, int seed, const std::string& more = "") {
+  const std::string sweep =
+      folder.write("marked.toml", "[sweep]\ncontacts = 60\nseed = " + std::to_string(seed) + more +
+                                      R"(
+[sensor]
+kind = "pad"
+tactels = [2, 2]
+thickness = 2
+[indenter]
+shape = "sphere"
+radius = { uniform = [4, 9] }
+[contact]
+friction = 0.6
+[load]
+indentation = 0.2
+tangential = [[{ uniform = [0, 0.1] }, { uniform = [-0.1, 0.1] }], [0.1, 0.1]]
+[markers]
+counts = [3, 2]
+pitch = 1.5
+depth = 0.3
+)");
+  const ChildResult result = run_tactel({"generate", sweep, "--rung", "pad-8", "--output", folder / name, "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return folder / name;
+}
+
+const std::vector<std::string> of_markers{"--inputs", "markers", "--network", "12-8-1", "--quiet"};
+
+/// x and y of every marker [rows, 12].
+std::vector<float> seen_of(const ContactSet& set) {
+  std::vector<float> seen;
+  for (std::size_t row = 0; row < set.rows(); ++row)
+    for (std::size_t marker = 0; marker < 6; ++marker)
+      for (std::size_t axis = 0; axis < 2; ++axis) seen.push_back(set.markers[(row * 6 + marker) * 3 + axis]);
+  return seen;
+}
+
+/// A network of markers is one of stresses on a set that holds x and y of the markers in their place, to the bit.
+TEST(TrainMarkers, TakeThePlaceOfStresses) {
+  const ScratchFolder folder;
+  const std::string set = marked_set(folder, "set.h5", 1), swapped = folder / "swapped.h5";
+  ContactSet other = read_contact_set(set);
+  ASSERT_EQ(other.marker_numbers, 18);
+  other.frames = seen_of(other);
+  write_contact_set(swapped, other);
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{"--cycles", "30", "--noise", "0.02"}, {"--block", "50", "--rows", "1000"}}) {
+    std::vector<std::string> options = how;
+    options.insert(options.end(), {"--network", "12-8-1", "--force", "--quiet"});
+    for (const auto& [name, file, inputs] : {std::tuple("ours", set, "markers"), {"theirs", swapped, "stresses"}}) {
+      const ChildResult result =
+          run_tactel({"train", file, "--output", folder / name, "--recall", file, "--inputs", inputs}, options);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+    }
+    const json report = json::parse(text_of(folder / "ours" / "training.json")),
+               expected = json::parse(text_of(folder / "theirs" / "training.json"));
+    EXPECT_EQ(report["options"]["inputs"], "markers");
+    EXPECT_FALSE(expected["options"].contains("inputs"));
+    EXPECT_EQ(report["networks"][0]["recalling"], expected["networks"][0]["recalling"]);
+    const std::string file = report["networks"][0]["file"];
+    const nn::Model model = read_onnx(folder / "ours" / file), same = read_onnx(folder / "theirs" / file);
+    EXPECT_EQ(model.weights.values, same.weights.values);
+    EXPECT_EQ(model.scaling.largest_stress, same.scaling.largest_stress);
+    EXPECT_TRUE(model.scaling.markers);
+    EXPECT_EQ(model.learnt.largest_peak, 0) << "of no stress";
+    EXPECT_FALSE(same.scaling.markers);
+    EXPECT_EQ(recall_json(folder / "ours", set)["networks"][0]["recalling"]["mean"],
+              recall_json(folder / "theirs", swapped)["networks"][0]["recalling"]["mean"]);
+  }
+}
+
+/// Better than the best constant, on contacts that it has not learnt from; its kernel, the twin and the library agree.
+TEST(TrainMarkers, TeachS) {
+  const ScratchFolder folder;
+  const std::string set = marked_set(folder, "set.h5", 1), recall = marked_set(folder, "recall.h5", 2);
+  std::vector<std::string> options = of_markers;
+  options.insert(options.end(), {"--schedule", "batch", "--cycles", "200", "--validation", recall});
+  const ChildResult result = run_tactel({"train", set, "--output", folder / "net"}, options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string file = folder / "net" / networks_in(folder / "net").begin()->first;
+  ASSERT_EQ(run_tactel({"recall", file, recall, "--rows", folder / "rows.csv", "--quiet"}).exit_code, 0);
+  const ContactSet rows = read_contact_set(recall);
+  const std::vector<float> seen = seen_of(rows);
+  const nn::Model model = read_onnx(file);
+  const SlipEstimator estimator = SlipEstimator::load(file);
+  EXPECT_EQ(estimator.metadata("inputs"), "markers");
+  std::istringstream lines(text_of(folder / "rows.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::vector<float> truth;
+  double error = 0, of_constant = std::numeric_limits<double>::infinity();
+  while (std::getline(lines, line)) {
+    std::size_t row = 0;
+    float s = 0, answer = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%zu,%f,%f", &row, &s, &answer), 3) << line;
+    const std::span<const float> frame = std::span(seen).subspan(12 * row, 12);
+    EXPECT_EQ(answer, estimator.estimate(frame).slip_index) << row;
+    const nn::RowMatrix<float> one = Eigen::Map<const nn::RowMatrix<float>>(frame.data(), 1, 12);
+    EXPECT_NEAR(answer, nn::recall(model.weights, model.scaling, one).slip_index(0), 1e-5) << row;
+    truth.push_back(s), error += std::abs(s - answer);
+  }
+  ASSERT_GT(truth.size(), 100u);
+  for (const float constant : truth) {
+    double sum = 0;
+    for (const float s : truth) sum += std::abs(s - constant);
+    of_constant = std::min(of_constant, sum);
+  }
+  EXPECT_LT(error, of_constant / 2);
+}
+
+TEST(TrainMarkers, AreNoStresses) {
+  const ScratchFolder folder;
+  const std::string set = marked_set(folder, "set.h5", 1, "\npress_rows = true"), net = folder / "net";
+  const auto train_on = [&](const std::string& file, const std::vector<std::string>& more) {
+    return run_tactel({"train", file, "--output", net, "--cycles", "3"}, more);
+  };
+  ContactSet rows = read_contact_set(set);
+  ContactSet odd = rows;
+  odd.markers[18 * 7 + 2] = nan;  // z, which no network takes
+  write_contact_set(folder / "odd.h5", odd);
+  EXPECT_EQ(train_on(folder / "odd.h5", of_markers).exit_code, 0);
+  odd.markers[18 * 7 + 1] = nan;
+  write_contact_set(folder / "odd.h5", odd);
+  EXPECT_TRUE(is_refused(train_on(folder / "odd.h5", {"--inputs", "markers", "--network", "12-8-1", "--force"}),
+                         {"odd.h5: markers[7] = NaN or infinity"}));
+  ContactSet bare = rows;
+  bare.marker_numbers = 0, bare.markers.clear();
+  write_contact_set(folder / "bare.h5", bare);
+  for (const std::string& file : {std::string(folder / "bare.h5"), PaperSetFiles::recall()})
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--block", "50", "--rows", "100"}}) {
+      std::vector<std::string> all{"train", file, "--output", folder / "none", "--inputs", "markers"};
+      all.insert(all.end(), more.begin(), more.end());
+      EXPECT_TRUE(is_refused(run_tactel(all), {fs::path(file).filename(), "markers = missing: must be a set of pads"}));
+    }
+  EXPECT_TRUE(is_refused(train_on(set, {"--inputs", "markers", "--network", "18-8-1", "--force"}),
+                         {"--network = 18-8-1: must be a network with 12 inputs"}));
+
+  // What takes stresses refuses a network of markers.
+  const std::string file = net + "/12-8-1_noise0_seed1.onnx";
+  EXPECT_TRUE(is_refused(run_tactel({"recall", file, folder / "bare.h5"}), {"bare.h5", "markers = missing"}));
+  EXPECT_TRUE(is_refused(run_tactel({"recall", file, set, "--decision"}), {"--decision", "of markers"}));
+  EXPECT_TRUE(
+      is_refused(run_tactel({"monitor", "--source", "simulate:" + source_file("examples/pad.toml"), "--network", file}),
+                 {"--network = of markers: must be a network of stresses"}));
+  EXPECT_TRUE(is_refused(run_tactel({"calibrate", "bound", file, set}), {"a network with a bound"}));
+  EXPECT_THROW(Alarm(SlipEstimator::load(file), {}), InputError);
+  ASSERT_EQ(train_on(set, {"--network", "12-5-1", "--force", "--quiet"}).exit_code, 0);
+  write_onnx(net + "/marked.onnx", [&] {
+    nn::Model model = read_onnx(net + "/12-5-1_noise0_seed1.onnx");
+    model.scaling.markers = true, model.scaling.axes = 2, model.learnt = {};
+    return model;
+  }());
+  EXPECT_TRUE(is_refused(run_tactel({"recall", net, set}), {"marked.onnx: inputs = markers: must be stresses"}));
+
+  // Nor does a training of one go on as one of the other, though both have 12 inputs.
+  EXPECT_TRUE(is_refused(train_on(set, {"--inputs", "markers", "--network", "12-5-1", "--resume"}), {"training.json"}));
+}
+
+/// A damaged chunk of /markers is heard of by those alone who read it.
+TEST(TrainMarkers, AreReadWhereTheyAreTaken) {
+  const ScratchFolder folder;
+  const std::string set = marked_set(folder, "set.h5", 1, "\npress_rows = true");
+  std::string bytes = text_of(set);
+  const ContactSet rows = read_contact_set(set);
+  const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(&rows.markers[36]), 72));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 2] = static_cast<char>(bytes[at + 2] ^ 1);
+  folder.write("set.h5", bytes);
+  const std::vector<std::string> train{"train", set, "--cycles", "2", "--output"};
+  EXPECT_EQ(run_tactel(train, {folder / "net", "--network", "12-8-1", "--quiet"}).exit_code, 0);
+  std::vector<std::string> more{folder / "none"};
+  more.insert(more.end(), of_markers.begin(), of_markers.end());
+  EXPECT_TRUE(is_refused(run_tactel(train, more), {"set.h5: markers"}));
+}
+
 /// Sets of grips had the cells' slips as /slid: such a set is no judge of either slide.
 TEST(TrainCommand, KeepsTheTwoSlidesApart) {
   const ScratchFolder folder;
@@ -645,7 +824,15 @@ const WrongCall wrong_calls[] = {
     {"NoValidationSet", "--schedule batch --validation /nowhere.h5", "/nowhere.h5"},
     {"PatienceAlone", "--schedule batch --patience 3", "--patience = 3: must be left out, or with --validation"},
     {"NoPatience", "--schedule batch --validation /nowhere.h5 --patience 0", "--patience = 0: must be at least 1"},
-    {"NoRecallSet", "--recall /nowhere.h5", "/nowhere.h5"}};
+    {"NoRecallSet", "--recall /nowhere.h5", "/nowhere.h5"},
+    {"OtherInputs", "--inputs pixels", "--inputs = pixels: must be one of stresses, markers"},
+    {"MarkersByFrame", "--inputs markers --scaling frame",
+     "--scaling = frame: must be set, or left out, with --inputs"},
+    {"MarkersAtRest", "--inputs markers --scaling rest", "--scaling = rest: must be set"},
+    {"MarkersWithFeatures", "--inputs markers --features pad", "--features = pad: must be frame, or left out"},
+    {"MarkersWithABound", "--inputs markers --schedule batch --bound", "it goes by the tactels that touch"},
+    {"MarkersWithAnAlarm", "--inputs markers --target slid --alarm-at 0.1", "an alarm goes by stresses"},
+    {"MarkersOfALine", "--inputs markers", "learning.h5: markers = missing: must be a set of pads with [markers]"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongTrainingTest, ::testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
 

@@ -95,7 +95,7 @@ TACTEL_API std::vector<Network> train(const Set& set, const TrainOptions& option
                                       const ProgressFunction& progress = {});
 
 /// Returns the errors of a network on a set's rows that have an answer. A network with history takes the rows contact
-/// by contact, in their order; the set must have press_rows.
+/// by contact, in their order; the set must have press_rows. One of markers takes those of the set.
 TACTEL_API Errors errors(const SlipEstimator& network, const Set& set);
 
 }  // namespace tactel

@@ -90,7 +90,7 @@ class TACTEL_API SlipEstimator {
   /// Returns the widths of the layers, "42-42-21-1".
   std::string topology() const;
   /// Returns an entry of the file: "seed", "noise", "learning_set", "error_mean", "target", ...; empty where the file
-  /// has none.
+  /// has none. "inputs" is "markers" where a frame is x and y of every marker, mm, not stresses.
   std::string metadata(std::string_view key) const;
 
   struct Network;
