@@ -364,7 +364,7 @@ void patch_twin(benchmark::State& state, int elements) {
   state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-const bool registered = [] {
+const bool contact_registered = [] {
   const auto add = [](const char* name, auto body) {
     return benchmark::RegisterBenchmark(name, body)->Unit(benchmark::kMillisecond);
   };

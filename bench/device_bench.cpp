@@ -75,7 +75,7 @@ void program_from_cache(benchmark::State& state) {
     });
 }
 
-const bool registered = [] {
+const bool device_registered = [] {
   const auto add = [](const char* name, auto&& body) {
     return benchmark::RegisterBenchmark(name, body)->UseRealTime();
   };

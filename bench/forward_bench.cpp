@@ -149,7 +149,7 @@ void one_frame_eigen(benchmark::State& state, int network) {
   latency(state, c, answer);
 }
 
-const bool registered = [] {
+const bool forward_registered = [] {
   const int all = tactel::tests::executor().threads();
   for (const int network : {1, 5, 6}) {
     const std::string name = "forward/" + nn::Topology::paper(network).text();

@@ -137,7 +137,7 @@ void pads_prepared(benchmark::State& state, int cells) {
       benchmark::Counter(static_cast<double>(scenes.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-const bool registered = [] {
+const bool pad_registered = [] {
   benchmark::RegisterBenchmark("contact/pad_search/fp32/threads:1", pads_searched)
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();

@@ -201,7 +201,7 @@ void add_launches(const std::string& name, const std::function<Model()>& needed,
   add(name + "/all", [=](benchmark::State& state) { launches(state, all(), needed()); });
 }
 
-const bool registered = [] {
+const bool scene_needs_registered = [] {
   constexpr double everywhere = 1e6;  // indentations
   constexpr double hardly = 1e-30;    // friction that takes the general program to the same answer
   for (char which : {'B', 'A'}) {

@@ -141,7 +141,7 @@ void siconos(benchmark::State& state, char which, double tolerance) {
   state.counters["worst_off"] = worst;
 }
 
-const bool registered = [] {
+const bool siconos_registered = [] {
   const auto add = [](const char* name, auto body) {
     benchmark::RegisterBenchmark(name, body)->Unit(benchmark::kMillisecond)->UseRealTime();
   };

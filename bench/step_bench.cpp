@@ -130,7 +130,7 @@ void twin_stepped(benchmark::State& state) {
   }
 }
 
-const bool registered = [] {
+const bool step_registered = [] {
   benchmark::RegisterBenchmark("step/motion/twin", twin_stepped)->Unit(benchmark::kMillisecond)->UseManualTime();
   for (const bool by_wrench : {false, true})
     for (const std::size_t count : {1, 2, 16, 256, 4096})

@@ -233,7 +233,7 @@ void to_error_batch(benchmark::State& state, const nn::BatchOptions& options) {
       state, [&](int) { return training.train_epoch()->at(0).sse; }, 20000);
 }
 
-const bool registered = [] {
+const bool train_registered = [] {
   const auto add = [](const std::string& name, auto body) {
     return benchmark::RegisterBenchmark(name.c_str(), body)->Unit(benchmark::kMillisecond);
   };

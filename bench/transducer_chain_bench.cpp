@@ -29,7 +29,7 @@ void chain(benchmark::State& state, const nn::Transducer& transducer, int channe
   state.SetLabel(tactel::tests::executor().device().info().name);
 }
 
-const bool registered = [] {
+const bool transducer_chain_registered = [] {
   for (const int channels : {16, 42}) {
     const auto add = [&](const char* part, const nn::Transducer& transducer) {
       const std::string name = std::string("transducer_chain/") + part + "/" + std::to_string(channels);

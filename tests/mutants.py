@@ -15,8 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 MUTANTS = [
     ("kernels/gap_sweep.cl", "SMALLER(LARGER(t_free, -cone), cone), t_old)", "LARGER(t_free, -cone), t_old)", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("kernels/gap_sweep.cl", "k->drift[v] = LARGER(drift, k->drift[v]);", "k->drift[v] = drift;", "contact", "Certificate.IsThatOfTheWrittenForces"),
-    ("kernels/patch/compliance.h", "yx = -rows.xy[i - j];", "yx = rows.xy[i - j];", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
-    ("kernels/patch/base_stress.h", "t0 = LOAD(here + to->outputs);", "t0 = LOAD(here);", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
+    ("kernels/patch/compliance.h", "yx = -rows.xy[i - j];", "yx = rows.xy[i - j];", "contact", "PatchContact/Twin.Fp64MatchesIt/12"),
+    ("kernels/patch/base_stress.h", "t0 = LOAD(here + to->outputs);", "t0 = LOAD(here);", "contact", "PatchContact/Twin.Fp64MatchesIt/12"),
     ("kernels/pad/cells.h", "x->v[v] = s.xx.v[v] + s.xy.v[v] - s.xn.v[v];", "x->v[v] = s.xx.v[v] + s.xy.v[v] + s.xn.v[v];", "contact",
      "PadContact.NamedScenesInFp64"),
     ("kernels/pad/sweep.h", "const vint slips = q > cone * cone;", "const vint slips = q < 0;", "contact", "PadContact.NamedScenesInFp64"),

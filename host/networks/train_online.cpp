@@ -95,7 +95,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
   seeds_ = Buffer<std::uint64_t>(device, std::span<const std::uint64_t>(seeds));
   for (std::size_t i = 0; i < members_.size(); ++i)
     set_state(i, nn::OnlineState<Real>(nn::initial_weights(topology, members_[i].seed)));
-  launch(together_);
+  launch(members_.size() < 2 * together_ ? 1 : together_);  // as job() begins
 }
 
 // The launch with this number of networks side by side, compiled at its first use.

@@ -9,7 +9,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("calibration", [](Bytes input) {
+const Target calibration("calibration", [](Bytes input) {
   static const host::SensorProfile glove = host::built_in_profile("glove");
   host::SensorProfile profile = glove;
   const auto path = write_file("calibration.toml", input);

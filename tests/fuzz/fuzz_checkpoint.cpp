@@ -43,7 +43,7 @@ void read(const std::string& bytes) {
   }
 }
 
-const Target target("checkpoint", [](Bytes input) { read_twice(input, read, with_right_checksum); });
+const Target checkpoint("checkpoint", [](Bytes input) { read_twice(input, read, with_right_checksum); });
 
 }  // namespace
 }  // namespace tactel::fuzz

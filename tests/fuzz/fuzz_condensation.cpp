@@ -41,7 +41,7 @@ std::string damaged(std::string content, Bytes input) {
   return damage == cut_off ? content.substr(0, at) : bytes;
 }
 
-const Target target("condensation", [](Bytes input) {
+const Target condensation("condensation", [](Bytes input) {
   static const CacheFile file;
   const std::string bytes = damaged(file.content, input);
   write_file(file.path.filename(), as_bytes(bytes));

@@ -11,7 +11,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("csv_frames", [](Bytes input) {
+const Target csv_frames("csv_frames", [](Bytes input) {
   if (input.empty()) return;
   const int channels = 1 + input[0] % 8;
   const auto path = write_file("frames.csv", input.subspan(1));

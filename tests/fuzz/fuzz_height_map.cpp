@@ -7,7 +7,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("height_map", [](Bytes input) {
+const Target height_map("height_map", [](Bytes input) {
   const auto path = write_file("heights.csv", input);
   fem::HeightMap map;
   if (!accepts([&] { host::read_heights_csv(path, map); })) return;

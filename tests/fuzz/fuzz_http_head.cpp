@@ -14,7 +14,7 @@ namespace {
 
 const std::vector<std::string> hosts = {"robot", "[2001:db8::7]:8080"};
 
-const Target target("http_head", [](Bytes input) {
+const Target http_head("http_head", [](Bytes input) {
   std::string head = std::string(input.begin(), input.end()) + "\r\n\r\n";
   head.resize(head.find("\r\n\r\n") + 4);  // where the server cuts
   const host::HttpRequest request = host::read_head(head, hosts);

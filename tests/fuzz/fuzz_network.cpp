@@ -45,7 +45,7 @@ void read_and_infer(const std::string& bytes) {
   infer(bytes);
 }
 
-const Target target("network", [](Bytes input) { read_twice(input, read_and_infer, with_right_checksum); });
+const Target network("network", [](Bytes input) { read_twice(input, read_and_infer, with_right_checksum); });
 
 }  // namespace
 }  // namespace tactel::fuzz

@@ -9,7 +9,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("profile_csv", [](Bytes input) {
+const Target profile_csv("profile_csv", [](Bytes input) {
   const auto path = write_file("profile.csv", input);
   fem::Profile profile;
   if (!accepts([&] { host::read_profile_csv(path, profile); })) return;

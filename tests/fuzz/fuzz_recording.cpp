@@ -61,7 +61,7 @@ void read(Bytes bytes) {
   });
 }
 
-const Target target("recording", [](Bytes input) {
+const Target recording("recording", [](Bytes input) {
   read(input);
   const std::vector<std::uint8_t> repaired = with_right_checksums(input);
   if (!std::ranges::equal(repaired, input)) read(repaired);

@@ -9,7 +9,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("scene", [](Bytes input) {
+const Target scene("scene", [](Bytes input) {
   provide_measured_profile();
   const auto path = write_file("scene.toml", input);
   host::AnyScene any;

@@ -10,7 +10,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("sensor_profile", [](Bytes input) {
+const Target sensor_profile("sensor_profile", [](Bytes input) {
   const std::string text(input.begin(), input.end());
   host::SensorProfile profile;
   if (!accepts([&] { profile = host::parse_profile(text, "profile.toml"); })) return;

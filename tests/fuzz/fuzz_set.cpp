@@ -164,7 +164,7 @@ void change(hid_t file, Choices choices) {
   }
 }
 
-const Target target("set", [](Bytes input) {
+const Target set("set", [](Bytes input) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const std::string& whole = whole_set();
   const auto path = write_file("set.h5", as_bytes(whole));

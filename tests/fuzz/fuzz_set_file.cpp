@@ -7,7 +7,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("set_file", [](Bytes input) { read_set(write_file("set.h5", input)); });
+const Target set_file("set_file", [](Bytes input) { read_set(write_file("set.h5", input)); });
 
 }  // namespace
 }  // namespace tactel::fuzz

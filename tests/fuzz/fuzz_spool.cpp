@@ -51,7 +51,7 @@ void read(const std::string& bytes) {
   check(!fs::exists(parts), "nothing is left of a spool that was put together or dropped");
 }
 
-const Target target("spool", [](Bytes input) { read_twice(input, read, with_right_checksums); });
+const Target spool("spool", [](Bytes input) { read_twice(input, read, with_right_checksums); });
 
 }  // namespace
 }  // namespace tactel::fuzz

@@ -13,7 +13,7 @@ bool has_step(const tactel::fem::PadScene& scene) { return !tactel::fem::pad_tar
 namespace tactel::fuzz {
 namespace {
 
-const Target target("sweep", [](Bytes input) {
+const Target sweep("sweep", [](Bytes input) {
   provide_measured_profile();
   const auto path = write_file("sweep.toml", input);
   std::optional<host::Sweep> sweep;

@@ -7,7 +7,7 @@
 namespace tactel::fuzz {
 namespace {
 
-const Target target("training_report", [](Bytes input) {
+const Target training_report("training_report", [](Bytes input) {
   const host::TrainingDirectory directory(folder());
   write_file("training.json", input);
   check(directory.finished(), "the report is there");

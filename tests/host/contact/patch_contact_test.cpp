@@ -119,13 +119,14 @@ void expect_twin(int elements, double poisson, double tolerance) {
 TEST_P(Twin, Fp64MatchesIt) {
   for (const double poisson : {0.3, 0.499}) expect_twin<double>(GetParam(), poisson, agree_fp64);
 }
-INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8));
-INSTANTIATE_TEST_SUITE_P(Nightly, Twin, ::testing::Values(12, 16, 24));
+// Of 12 elements are most programs here; another number takes eight more of some two seconds.
+INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(12));
+INSTANTIATE_TEST_SUITE_P(Nightly, Twin, ::testing::Values(8, 16, 24));
 
 class TwinInFp32 : public Twin {};
 TEST_P(TwinInFp32, MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); }
-INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(8, 24));
-INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(12, 16));
+INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(12));
+INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(8, 16, 24));
 
 /// Layers change only tables. Those of the kernel have equal cells, the twin's are graded: cubics leave 1e-6 of either.
 template <class Real>
@@ -193,12 +194,15 @@ class PatchBits : public ::testing::Test {
     for (const auto& scenes : by_kind(mixed_scenes(model_.sensor, count, 5))) body(scenes);
   }
   PatchContact<Real> on(Executor& executor) const { return {executor, model_, {.most_sweeps = 200}}; }
-  void expect_same_for_any_threads_and_chunks() const {
+  /// `pthread` compiles programs of its own: every day those by depth alone.
+  void expect_same_for_any_threads_and_chunks(bool by_depth_alone) const {
     each_kind(60, [&](const auto& scenes) {
       Executor one{Device(), {.threads = 1}};
       const Hashes expected = hashes(on(one), scenes);
       for (const char* device : {"basic", "pthread"})
         for (const std::size_t chunk : {1, 4096}) {
+          if (device == std::string_view("pthread") && by_depth_alone && (scenes.empty() || by_force(scenes.front())))
+            continue;
           Executor executor{Device(device), {.threads = 3}};
           EXPECT_EQ(hashes(on(executor), scenes, chunk), expected) << device << ", chunks of " << chunk;
         }
@@ -226,9 +230,8 @@ TYPED_TEST(PatchBitsNightly, AreTheSameAtEveryNumberOfLanes) {
 }
 
 using PatchBitsFp32 = PatchBits<float>;
-using PatchBitsFp64Nightly = PatchBits<double>;
-TEST_F(PatchBitsFp32, AreTheSameForAnyThreadsAndChunks) { expect_same_for_any_threads_and_chunks(); }
-TEST_F(PatchBitsFp64Nightly, AreTheSameForAnyThreadsAndChunks) { expect_same_for_any_threads_and_chunks(); }
+TEST_F(PatchBitsFp32, AreTheSameForAnyThreadsAndChunks) { expect_same_for_any_threads_and_chunks(true); }
+TYPED_TEST(PatchBitsNightly, AreTheSameForAnyThreadsAndChunks) { this->expect_same_for_any_threads_and_chunks(false); }
 
 TYPED_TEST(PatchBits, AreTheSameInAnyOrderAndBatch) {
   this->each_kind(50, [&](const auto& scenes) {

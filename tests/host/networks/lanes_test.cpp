@@ -13,7 +13,7 @@ namespace tactel::host::lanes_test {
 using tactel::tests::bumps;
 using tactel::tests::largest_difference;
 
-constexpr int all_lanes[] = {16, 1, 2, 4, 8};
+const std::vector<int> all_lanes = {16, 1, 2, 4, 8};
 
 template <class Real>
 class NetworkLanes : public ::testing::Test {
@@ -21,10 +21,10 @@ class NetworkLanes : public ::testing::Test {
   const nn::Topology topology_ = nn::Topology::parse("16-16-8-1");
   const nn::FrameSet set_ = bumps(77, 16, 4);
   const nn::InputScaling scaling_{nn::ScalingKind::set, 1.3f};
-  void expect_recall_of_the_same_bits() const {
+  void expect_recall_of_the_same_bits(const std::vector<int>& several) const {
     const std::vector<nn::Weights<Real>> network{nn::Weights<Real>(nn::initial_weights(topology_, 3))};
     nn::Vector<Real> expected;
-    for (const int lanes : all_lanes) {
+    for (const int lanes : several) {
       Executor executor{Device("basic").with_lanes(lanes), {.threads = 1}};
       const auto found = Forward<Real>(executor, network, scaling_).recall(set_.frames).slip_index;
       if (lanes == 16) expected = found;
@@ -33,14 +33,14 @@ class NetworkLanes : public ::testing::Test {
   }
 };
 using NetworkLanesFp32 = NetworkLanes<float>;
-using NetworkLanesFp64Nightly = NetworkLanes<double>;
-TEST_F(NetworkLanesFp32, RecallGivesTheSameBits) { expect_recall_of_the_same_bits(); }
-TEST_F(NetworkLanesFp64Nightly, RecallGivesTheSameBits) { expect_recall_of_the_same_bits(); }
+TEST_F(NetworkLanesFp32, RecallGivesTheSameBits) { expect_recall_of_the_same_bits({16, 1, 4}); }
 
 template <class Real>
 class NetworkLanesNightly : public NetworkLanes<Real> {};
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(NetworkLanesNightly, Precisions);
+
+TYPED_TEST(NetworkLanesNightly, RecallGivesTheSameBits) { this->expect_recall_of_the_same_bits(all_lanes); }
 
 // A network's neurons, or a batch's rows, stand in the lanes: sums run in another order at another number of lanes.
 // 20 cycles of 77 rows carry a rounding of 6e-8 or 1e-16 to some hundred times that.

@@ -30,7 +30,7 @@ TEST(OnnxBound, SatisfiesTheStandardsChecker) {
 // Another runtime gives S, bound and interval of the forward kernel and nn::bounded within 1e-5, on every row, in many
 // classes; and says of the same frames that they are unlike. The values lie well away from the edges of classes.
 TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
-  for (const char* topology : {"42-42-21-3", "16-9-3", "16-9-3_leaky-relu"}) {
+  for (const char* topology : {"42-42-21-3", "14-9-3", "14-9-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const bool by_distance = topology[0] == '1';
       const nn::Model model = bounded_model(topology, kind, by_distance);

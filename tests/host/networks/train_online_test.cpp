@@ -253,7 +253,7 @@ TEST(TrainOnlineStop, WhenLearntAtTheLimitOrNotFinite) {
 
 // A network that has learnt, or broke, shares vectors with others that go on: their bits must not notice.
 TEST(TrainOnlineStop, LeavesNeighboursAlone) {
-  for (const char* topology : {"16-16-1", "16-16-8-1"}) {
+  for (const char* topology : {"16-9-1", "16-16-8-1"}) {
     const auto c = make_case<float>(topology, 12, {.rate = 0.5, .cycle_limit = 3000});
     std::vector<OnlineMember> members;
     for (std::uint32_t i = 0; i < 6; ++i) members.push_back({i, 0});

@@ -86,7 +86,8 @@ struct RigCase {
 };
 
 class UsbStack : public ::testing::TestWithParam<RigCase> {};
-INSTANTIATE_TEST_SUITE_P(Vhci, UsbStack, ::testing::Values(RigCase{vhci_rig, 50}));
+INSTANTIATE_TEST_SUITE_P(Vhci, UsbStack, ::testing::Values(RigCase{vhci_rig, 10}));  // a second each, on eight ports
+INSTANTIATE_TEST_SUITE_P(NightlyVhci, UsbStack, ::testing::Values(RigCase{vhci_rig, 50}));
 INSTANTIATE_TEST_SUITE_P(Gadget, UsbStack, ::testing::Values(RigCase{gadget_rig, 10}));
 
 TEST_P(UsbStack, Clean) {
