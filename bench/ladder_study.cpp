@@ -16,6 +16,7 @@
 #include <map>
 #include <variant>
 
+#include "bench/error_line.h"
 #include "fem/gap/accuracy.h"
 #include "fem/gap/gap_reference.h"
 #include "host/answers/planner.h"

@@ -34,7 +34,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_reference.h"
-#include "host/answers/rung_error.h"
+#include "host/answers/line_error.h"
 #include "host/answers/solve.h"
 
 namespace tactel::host {
@@ -152,7 +152,7 @@ int write_table(int count, unsigned seed, const std::map<std::string, ByClass>& 
       "// sigma and tau; the largest of S.\n#include \"host/answers/pad_error.h\"\n\nnamespace tactel::host {{\n\n"
       "std::span<const MeasuredPadRung> measured_pads() {{\n  static constexpr MeasuredPadRung rungs[] = {{\n",
       count, seed);
-  for (const PadRung& rung : pad_rungs()) {
+  for (const PadRung& rung : all_rungs<PadRung>()) {
     if (rung.exact) continue;
     out << fmt::format("      {{\"{}\",\n       {{{{", rung.name);
     for (int k = 0; k < pad_classes; ++k) {
@@ -176,12 +176,12 @@ int table(int count, unsigned seed, const std::string& answers, const char* file
       to[of].push_back(error), to[pad_classes].push_back(error);
     };
     add(own, truth.error);
-    for (const PadRung& rung : pad_rungs())
+    for (const PadRung& rung : all_rungs<PadRung>())
       if (!rung.exact) add(made[rung.name], fem::pad_difference(twin(rung, pad.scene, 1e-3), truth.solution));
   });
   fmt::print("{} scenes of seed {}\n", count, seed);
   print("the reference, its own estimate", own);
-  for (const PadRung& rung : pad_rungs())
+  for (const PadRung& rung : all_rungs<PadRung>())
     if (!rung.exact) print(rung.name, made[rung.name]);
   return file == nullptr ? 0 : write_table(count, seed, made, file);
 }
@@ -212,7 +212,7 @@ struct Tally {
 /// Answers of the rungs below the reference to one scene, in fp64, and the errors that solve() states of them.
 struct Answers {
   explicit Answers(const fem::PadScene& scene) : scene(scene), judge(scene) {
-    for (const PadRung& rung : pad_rungs())
+    for (const PadRung& rung : all_rungs<PadRung>())
       if (!rung.exact) of.emplace(rung.name, twin(rung, scene, 1e-6));
   }
   ExpectedError error(const PadRung& rung, int cells) {
@@ -222,7 +222,7 @@ struct Answers {
   }
   /// The rung that solve() takes for an accuracy; none: the reference.
   const PadRung* planned(double accuracy) {
-    for (const PadRung& rung : pad_rungs())
+    for (const PadRung& rung : all_rungs<PadRung>())
       if (!rung.exact && std::ranges::any_of(PadJudge::cells(rung), [&](int cells) {
             return cells <= 32 && error(rung, cells).expected.S <= accuracy;  // 48 take seconds
           }))
@@ -254,7 +254,7 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
     }
     own.push_back(truth.error);
     Answers answers_of(pad.scene);
-    for (const PadRung& rung : pad_rungs()) {
+    for (const PadRung& rung : all_rungs<PadRung>()) {
       if (rung.exact) continue;
       rungs[rung.name].add(answers_of.of.at(rung.name), answers_of.error(rung, PadJudge::usual_cells(rung)), truth);
       if (std::getenv("TACTEL_EACH") == nullptr) continue;
@@ -277,7 +277,7 @@ int judge(int count, unsigned seed, Scenes scenes, const std::string& answers) {
              "made 95%", "held", "worst");
   bool good = 50 * unsettled <= count;
   double all_held = 0, quantities = 0;
-  for (const PadRung& rung : pad_rungs()) {
+  for (const PadRung& rung : all_rungs<PadRung>()) {
     if (rung.exact) continue;
     const Tally& t = rungs[rung.name];
     for (std::size_t k = 0; k < names.size(); ++k) {

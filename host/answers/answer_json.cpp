@@ -90,7 +90,7 @@ Json to_json(const SolveOutcome& outcome) {
               {"fallback", solution.fell_back},
               {"warnings", warnings(outcome)},
               {"steps", steps_json(solution.steps, !outcome.on_patch(), true)}});
-  if (!outcome.rung.empty()) out["rung"] = outcome.rung;
+  if (!outcome.rung.name.empty()) out["rung"] = outcome.rung.name;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
   if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.error) out["discretisation_error"] = error_json(*outcome.error, false);

@@ -173,7 +173,7 @@ const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene) {
 }
 
 const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy) {
-  const std::vector<PadRung>& rungs = pad_rungs();
+  const std::vector<PadRung>& rungs = all_rungs<PadRung>();
   return *std::find_if(rungs.begin(), std::prev(rungs.end(), 2),
                        [&](const PadRung& rung) { return class_errors(rung, scene).most95.S <= accuracy; });
 }
@@ -185,10 +185,20 @@ ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene
                       .scenes = name(pad_class(scene)),
                       .outside = outside(measured_classes, scene, depth)};
   if (error.outside.empty()) return error;
-  for (const auto member : fem::pad_error_members) error.expected.*member *= beyond_the_measured;
+  error.expected = scaled(error.expected, beyond_the_measured);
   double& S = error.expected.S;
   S = std::min(1.0, S), error.largest = std::max(error.largest, S);
   return error;
+}
+
+const PadRung& cheapest_pad_rung(std::span<const fem::PadScene> scenes, double accuracy,
+                                 const std::function<double(std::size_t k)>& depth) {
+  const auto keeps = [&](const PadRung& rung) {
+    for (std::size_t k = 0; k < scenes.size(); ++k)
+      if (expected_pad_error(rung, scenes[k], depth(k)).expected.S > accuracy) return false;
+    return true;
+  };
+  return *std::ranges::find_if(all_rungs<PadRung>(), [&](const PadRung& r) { return r.exact || keeps(r); });
 }
 
 std::vector<int> PadJudge::cells(const PadRung& rung) {

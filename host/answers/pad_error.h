@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -9,8 +10,8 @@
 #include <vector>
 
 #include "fem/pad/pad_solver.h"
-#include "host/answers/rung_error.h"
-#include "host/contact/pads/pad_rung.h"
+#include "host/answers/line_error.h"
+#include "host/scenes/ladder.h"
 
 namespace tactel::host {
 
@@ -63,12 +64,17 @@ void complete(ExpectedError& error, const fem::PadScene& scene, const fem::PadSo
 
 /// Returns the errors of a rung below the reference on the class of a scene.
 const PadErrors& class_errors(const PadRung& rung, const fem::PadScene& scene);
-/// Returns an element of pad_rungs(): the cheapest whose errors of the class keep an accuracy of S, else the finest
-/// below the reference.
+/// Returns an element of all_rungs<PadRung>(): the cheapest whose errors of the class keep an accuracy of S, else the
+/// finest below the reference.
 const PadRung& first_pad_rung(const fem::PadScene& scene, double accuracy);
 /// Returns the errors to expect by them on a scene that was pressed to this depth, mm: for a scene outside the measured
 /// ones three times those, as on lines (host/answers/planner.h).
 ExpectedError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, double depth);
+
+/// Returns the cheapest rung that is expected to keep an accuracy of S on all of these scenes; the reference where none
+/// below it is. `depth(k)`: to which scene k was pressed, mm.
+const PadRung& cheapest_pad_rung(std::span<const fem::PadScene> scenes, double accuracy,
+                                 const std::function<double(std::size_t k)>& depth);
 
 /// Solves a scene a second time to state the errors of its answers: by the twin, on more cells with twice as many
 /// increments of pressing and drags. Keeps a reference to the scene.

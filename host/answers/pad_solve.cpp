@@ -21,14 +21,12 @@ void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
     throw ConfigError("command line", "--solver", options.solver,
                       "batched or twin for a pad; its reference is --rung reference");
-  const bool exact = !options.rung.empty() && pad_rung_named(options.rung).exact;
+  const bool exact = !options.rung.empty() && rung_named<PadRung>(options.rung).exact;
   if (!exact && options.solver == "batched") return check_modelling(options);
   const std::string host = exact ? "--rung reference" : "--solver twin";
   if (exact && options.solver == "twin")
     throw ConfigError("command line", "--solver", "twin", "left out with --rung reference");
-  if (options.precision == "fp32") throw ConfigError("command line", "--precision", "fp32", "fp64 with " + host);
-  if (!options.device.empty())
-    throw ConfigError("command line", "--device", options.device, "left out with " + host + ", which uses no device");
+  refuse_device_options(options, host);
   check_modelling(options);
 }
 
@@ -108,7 +106,7 @@ bool keeps_accuracy(PadOutcome& outcome, PadJudge& judge) {
 
 /// Goes up the rungs until one keeps the accuracy. Where there are no second solutions the classes say where to begin.
 void pad_to_accuracy(PadOutcome& outcome, PadJudge& judge, const SolveOptions& options) {
-  const PadRung* rung = &pad_rungs().front();
+  const PadRung* rung = &all_rungs<PadRung>().front();
   solve_on_rung(outcome, *rung, options);
   if (!touches(outcome.solution)) return;
   if (!PadJudge::serves(outcome.solution.steps.size())) rung = &first_pad_rung(outcome.scene, *options.accuracy);
@@ -132,7 +130,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
   if (options.accuracy) {
     pad_to_accuracy(outcome, judge, options);
   } else {
-    solve_on_rung(outcome, options.rung.empty() ? usual_pad_rung() : pad_rung_named(options.rung), options);
+    solve_on_rung(outcome, options.rung.empty() ? usual_pad_rung() : rung_named<PadRung>(options.rung), options);
     if (!outcome.rung.exact && touches(outcome.solution))
       state_error(outcome, judge, PadJudge::usual_cells(outcome.rung));
   }

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/answers/rung_error.h"
+#include "host/answers/solve.h"
+#include "host/contact/lines/sensor_tables.h"
+#include "host/contact/lines/solve_on_rung.h"
+#include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
@@ -29,7 +32,8 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   const Rung &rung = ladder()[low], &next = ladder()[low + 1];
   PlanTrial trial{rung.name, next.name};
   bool missed = false;
-  std::vector<double> differences, estimates, next_estimates, sigma, tau, P, Q;
+  std::vector<AnswerError> differences;
+  std::vector<double> estimates, next_estimates;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     AnswerError error = answer_error(scenes[i], answers[i], rung, finer[i], next);
     if (misses_contact(scenes[i], rung, answers[i]) || misses_contact(scenes[i], next, finer[i])) {
@@ -37,25 +41,17 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
       missed = true;
     }
     const bool outside = outside_the_mix(scenes[i], answers[i]) || outside_the_mix(scenes[i], finer[i]);
-    differences.push_back(error.S);
+    differences.push_back(error);
     const auto besides = [&](const Rung& of, const fem::ContactSolution& answer) {
       return of.exact ? 0 : model_error(scenes[i], answer);
     };
     estimates.push_back(std::min(1.0, expected_error(low, error.S, outside) + besides(rung, answers[i])));
     next_estimates.push_back(std::min(1.0, expected_next_error(low, error.S, outside) + besides(next, finer[i])));
-    sigma.push_back(error.sigma);
-    tau.push_back(error.tau);
-    P.push_back(error.P);
-    Q.push_back(error.Q);
   }
-  trial.difference = covering_value(differences, 0.95);
-  trial.missed = missed && trial.difference >= 1;
+  trial.difference = quantiles(differences).most95;
+  trial.missed = missed && trial.difference.S >= 1;
   trial.estimate = trial.missed ? 1 : covering_value(estimates, 0.95);
   trial.next_estimate = trial.missed ? 1 : covering_value(next_estimates, 0.95);
-  trial.sigma = covering_value(sigma, 0.95);
-  trial.tau = covering_value(tau, 0.95);
-  trial.P = covering_value(P, 0.95);
-  trial.Q = covering_value(Q, 0.95);
   return trial;
 }
 
@@ -89,7 +85,6 @@ RungChoice plan(std::span<const fem::Scene> scenes, double accuracy, const Solve
     if (enough || next_enough || last) {
       const std::size_t place = enough ? low : low + 1;
       result.rung = rungs[place];
-      result.model = description(result.rung);
       result.estimate = enough ? trial.estimate : trial.next_estimate;
       result.kept = enough || next_enough;
       result.answers = std::move(enough ? answers : finer);
@@ -107,15 +102,54 @@ const Rung& RungChoice::rung_for_many() const {
 std::string RungChoice::why() const {
   const PlanTrial& last = trials.back();
   const std::string& other = last.rung == rung.name ? last.next : last.rung;
-  std::string text = fmt::format("rung {} ({}): ", rung.name, model);
+  std::string text = fmt::format("rung {} ({}): ", rung.name, description(rung));
   if (last.missed)
     text += fmt::format("this rung or rung {} misses a contact; requested {:g}", other, accuracy);
   else
-    text += fmt::format("S differs by {:.2g} on rung {}; expected error in S {:.2g}, requested {:g}", last.difference,
+    text += fmt::format("S differs by {:.2g} on rung {}; expected error in S {:.2g}, requested {:g}", last.difference.S,
                         other, estimate, accuracy);
   return text +
          fmt::format("; the accuracy holds for S alone: sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
-                     last.sigma, last.tau);
+                     last.difference.sigma, last.difference.tau);
+}
+
+std::optional<ExpectedError> mesh_error(const RungChoice& plan) {
+  if (plan.trials.empty() || plan.trials.back().missed) return {};
+  const PlanTrial& last = plan.trials.back();
+  const bool coarser = last.rung == plan.rung.name;  // else the finest, which differs from the rung below
+  ExpectedError error{scaled(last.difference, coarser ? first_order : 1), "rung " + (coarser ? last.next : last.rung)};
+  error.expected.S = plan.estimate;
+  return error;
+}
+
+template <class AnyRung>
+std::optional<AnyRung> named_rung_for_many(const SolveOptions& options) {
+  check_modelling(options);
+  if (options.rung.empty()) return {};
+  const AnyRung& rung = rung_named<AnyRung>(options.rung);
+  if (rung.exact)
+    throw ConfigError("command line", "--rung", options.rung,
+                      std::is_same_v<AnyRung, Rung> ? "a rung for many contacts, such as patch-24 or mesh-641: the "
+                                                      "reference solves single contacts"
+                                                    : "a rung for many scenes, pad-8 to pad-24: the reference solves "
+                                                      "single ones");
+  return rung;
+}
+template std::optional<Rung> named_rung_for_many(const SolveOptions&);
+template std::optional<PadRung> named_rung_for_many(const SolveOptions&);
+
+RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
+  const std::vector<fem::Scene> tried = tried_of(contacts.count, contacts.contact);
+  std::shared_ptr<const fem::SensorFamily> family;
+  if (contacts.own_sensors)
+    family = std::make_shared<const fem::SensorFamily>(sensor_family(executor, *contacts.own_sensors));
+  return plan(tried, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, tried, rung, true, family); });
+}
+
+std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts) {
+  if (auto rung = named_rung_for_many(options)) return rung;
+  if (!options.accuracy) return {};
+  return plan_for_many(executor, *options.accuracy, contacts).rung_for_many();
 }
 
 nlohmann::ordered_json to_json(const RungChoice& plan) {
@@ -123,14 +157,15 @@ nlohmann::ordered_json to_json(const RungChoice& plan) {
   for (const PlanTrial& t : plan.trials)
     trials.push_back({{"rung", t.rung},
                       {"next", t.next},
-                      {"difference", t.difference},
+                      {"difference", t.difference.S},
                       {"estimate", t.estimate},
                       {"next_estimate", t.next_estimate},
                       {"missed", t.missed},
-                      {"sigma_difference", t.sigma},
-                      {"tau_difference", t.tau}});
-  return {{"accuracy", plan.accuracy}, {"promises", "slip_index"}, {"rung", plan.rung.name},    {"model", plan.model},
-          {"estimate", plan.estimate}, {"kept", plan.kept},        {"tried", std::move(trials)}};
+                      {"sigma_difference", t.difference.sigma},
+                      {"tau_difference", t.difference.tau}});
+  return {{"accuracy", plan.accuracy},       {"promises", "slip_index"},  {"rung", plan.rung.name},
+          {"model", description(plan.rung)}, {"estimate", plan.estimate}, {"kept", plan.kept},
+          {"tried", std::move(trials)}};
 }
 
 }  // namespace tactel::host

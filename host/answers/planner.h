@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/solve_options.h>
+
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host/answers/rung_error.h"
+#include "fem/layer/sensor_family.h"
+#include "host/answers/line_error.h"
 #include "host/scenes/ladder.h"
+#include "host/support/chosen_row.h"
 
 namespace tactel::host {
+
+class Executor;
 
 /// Measurements of `tactel tradeoff` on a rung of the ladder and its mix of scenes; host/answers/measured_ladder.cpp
 /// holds them. A difference is that in S from the next rung of the ladder.
@@ -26,12 +35,10 @@ std::span<const MeasuredRung> measured_ladder();
 /// quantiles.
 struct PlanTrial {
   std::string rung, next;
-  double difference = 0;      ///< in S; a contact that either misses, although the load presses, counts as 1
-  double estimate = 0;        ///< expected error in S of `rung`
-  double next_estimate = 0;   ///< expected error in S of `next`
-  double sigma = 0, tau = 0;  ///< differences of the stresses at the tactels, as AnswerError; no promise
-  double P = 0, Q = 0;        ///< differences of the forces, as AnswerError; no promise
-  bool missed = false;        ///< a contact is missed
+  AnswerError difference{};  ///< in S 1 where either misses a contact, although the load presses; others: no promise
+  double estimate = 0;       ///< expected error in S of `rung`
+  double next_estimate = 0;  ///< expected error in S of `next`
+  bool missed = false;       ///< a contact is missed
 };
 
 /// Returns the expected errors in S of a rung of the ladder, and of the next, which differ by `difference`: the line,
@@ -51,7 +58,6 @@ bool outside_the_mix(const fem::Scene& scene, const fem::ContactSolution& answer
 struct RungChoice {
   double accuracy = 0;  ///< requested largest error in S
   Rung rung;
-  std::string model{};  ///< description of the rung
   double estimate = 0;  ///< error in S to expect of it
   bool kept = false;    ///< estimate <= accuracy; the reference is taken where no rung below it keeps the accuracy
   std::vector<PlanTrial> trials{};
@@ -62,11 +68,46 @@ struct RungChoice {
 };
 nlohmann::ordered_json to_json(const RungChoice& plan);
 
+/// Returns what the planner knows of its answer's error; none where a mesh missed a contact or no rung was compared.
+std::optional<ExpectedError> mesh_error(const RungChoice& plan);
+
 /// Answers of scenes on a rung.
 using SolveRung = std::function<std::vector<fem::ContactSolution>(const Rung&)>;
 
 /// Returns the cheapest rung that is expected to keep `accuracy` in S on these scenes (in 95 % of them). Climbs the
 /// ladder from the cheapest rung on and compares each rung with the next.
 RungChoice plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve);
+
+// ---- of many contacts
+
+/// Largest number of contacts that are tried for all of them.
+inline constexpr std::uint64_t most_tried = 64;
+
+/// Returns at most so many of `count` contacts, one from each equal part of all; contact(k) is contact k.
+template <class Contact>
+auto tried_of(std::uint64_t count, const Contact& contact) {
+  const std::uint64_t tried = std::min(count, most_tried);
+  std::vector<std::decay_t<decltype(contact(count))>> some;
+  for (std::uint64_t k = 0; k < tried; ++k) some.push_back(contact(chosen_row(k, tried, count)));
+  return some;
+}
+
+/// Contacts of which the planner tries some.
+struct ManyContacts {
+  std::uint64_t count = 0;
+  std::function<fem::Scene(std::uint64_t k)> contact;  ///< returns contact k
+  std::optional<fem::SensorRange> own_sensors = {};    ///< where each contact has its own sensor, of this range
+};
+
+/// Returns the rung of lines or pads that --rung names; none where it names none. Throws ConfigError for contradictory
+/// options, and for a rung that solves single contacts.
+template <class AnyRung = Rung>
+std::optional<AnyRung> named_rung_for_many(const SolveOptions& options);
+
+/// Returns the planner's choice for those that it tries.
+RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts);
+
+/// Returns the rung that --rung names, or that --accuracy takes; none without both. Throws as named_rung_for_many.
+std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts);
 
 }  // namespace tactel::host

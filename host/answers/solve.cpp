@@ -21,19 +21,10 @@ constexpr int most_columns_asked_twice = 321;  ///< the exact solver takes secon
 constexpr double rounding_of_Q = 1e-5;         ///< over P, in fp32 sums
 
 SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& options) {
-  if (options.precision == "fp32")
-    throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver full-mesh");
-  if (!options.device.empty())
-    throw ConfigError("command line", "--device", options.device,
-                      "left out with --solver full-mesh, which uses no device");
+  refuse_device_options(options, "--solver full-mesh");
   fem::GapReferenceOptions reference;
   if (options.tolerance) reference.tolerance = *options.tolerance;
   return {fem::solve_gap_reference(scene, reference), "full-mesh", "fp64", "host"};
-}
-
-std::string rung_reason(const SolveOptions& options) {
-  if (!options.rung.empty()) return "--rung " + options.rung;
-  return "the scene file names no mesh";
 }
 
 SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactSolution solution,
@@ -41,7 +32,6 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
   SolveOutcome outcome{std::move(solution), rung.exact ? "reference" : "batched", name(rung.precision),
                        rung.exact ? "host" : device};
   outcome.scene = on_rung(scene, rung);
-  outcome.rung = rung.name;
   outcome.model_reason = std::move(reason);
   if (rung.patch() && !outcome.on_patch()) {
     outcome.scene.sensor = on_mesh(scene, rung).sensor;
@@ -58,7 +48,7 @@ SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options,
   const bool named = !options.rung.empty();
   Rung rung = named ? rung_named(options.rung) : usual_patch();
   if (!named && device.fp64) rung.precision = Precision::fp64;
-  if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  rung.precision = precision_named(options.precision, rung.precision);
   if (options.tolerance) rung.accept_at_most(*options.tolerance);
   ContactModel model = model_of(rung);
   if (!on_patch) {
@@ -70,9 +60,8 @@ SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options,
   }
   auto solutions = ContactStream(executor, std::move(model)).solve(std::span(&scene, 1));
   if (!on_patch) return {std::move(solutions.front()), "batched", name(rung.precision), device.name};
-  SolveOutcome outcome = outcome_on(rung, scene, std::move(solutions.front()), device.name, rung_reason(options));
-  if (!named) outcome.rung.clear();
-  return outcome;
+  return outcome_on(rung, scene, std::move(solutions.front()), device.name,
+                    named ? "--rung " + options.rung : "the scene file names no mesh");
 }
 
 SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
@@ -81,7 +70,24 @@ SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& opti
                            [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
   SolveOutcome outcome = outcome_on(chosen.rung, scene, std::move(chosen.answers.front()),
                                     executor.device().info().name, fmt::format("--accuracy {:g}", *options.accuracy));
-  outcome.plan = std::move(chosen);
+  outcome.rung = chosen.rung, outcome.accuracy = options.accuracy, outcome.plan = std::move(chosen);
+  return outcome;
+}
+
+/// On the rung that the options name, or the scene's own model.
+SolveOutcome solve_as_named(const fem::Scene& scene, const SolveOptions& options, bool on_mesh) {
+  const Rung rung = options.rung.empty() ? Rung{} : rung_named(options.rung);
+  const bool named = !options.rung.empty(), full_mesh = options.solver == "full-mesh";
+  const bool patch = named ? rung.patch() : !on_mesh && scene.model == fem::SurfaceModel::patch;
+  const fem::Scene modelled = named && !patch ? host::on_mesh(scene, rung) : scene;
+  SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_batched(modelled, options, patch);
+  outcome.rung = rung;
+  if (patch && !full_mesh) return outcome;
+  outcome.scene = modelled;
+  outcome.model_reason = named                                    ? "--rung " + options.rung
+                         : scene.model == fem::SurfaceModel::mesh ? "the scene file names a mesh"
+                         : full_mesh                              ? "--solver full-mesh solves the mesh"
+                                                                  : "a mesh was requested";
   return outcome;
 }
 
@@ -98,13 +104,6 @@ std::optional<ExpectedError> mesh_error(const SolveOutcome& outcome, FinerAnswer
   auto error = outcome.plan ? mesh_error(*outcome.plan) : mesh_error(outcome.scene, outcome.solution, std::move(finer));
   if (error && only_pressed(outcome.solution)) error->expected.Q = 0;  // relative to Q, rounding would be any number
   return error;
-}
-
-void estimate_error(SolveOutcome& outcome, FinerAnswer finer) {
-  outcome.error = mesh_error(outcome, std::move(finer));
-  if (outcome.error) return;
-  outcome.no_estimate = outcome.plan ? "one of the rungs that were compared misses the contact"
-                                     : why_no_estimate(outcome.scene, outcome.solution);
 }
 
 std::vector<std::string> solver_names() { return {"batched", "full-mesh", "twin"}; }
@@ -130,6 +129,12 @@ void check_modelling(const SolveOptions& options) {
   if (options.solver != "batched") refuse("--solver");
 }
 
+void refuse_device_options(const SolveOptions& options, const std::string& solver) {
+  if (options.precision == "fp32") throw ConfigError("command line", "--precision", "fp32", "fp64 with " + solver);
+  if (!options.device.empty())
+    throw ConfigError("command line", "--device", options.device, "left out with " + solver + ", which uses no device");
+}
+
 std::string model_name(const SolveOutcome& outcome) {
   const fem::Sensor& s = outcome.scene.sensor;
   const Eigen::VectorXd& width = outcome.solution.surface_width;
@@ -143,19 +148,15 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options, bool on
   if (options.solver == "twin")
     throw ConfigError("command line", "--solver", "twin", "batched or full-mesh for a line");
   check_modelling(options);
-  if (options.accuracy) return solve_to_accuracy(scene, options);
-  const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
-  const bool full_mesh = options.solver == "full-mesh";
-  if (!full_mesh && (rung ? rung->patch() : !on_mesh && scene.model == fem::SurfaceModel::patch))
-    return solve_batched(scene, options, true);
-  const fem::Scene modelled = rung ? host::on_mesh(scene, *rung) : scene;
-  SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_batched(modelled, options, false);
-  outcome.scene = modelled;
-  outcome.rung = options.rung;
-  outcome.model_reason = rung                                     ? "--rung " + options.rung
-                         : scene.model == fem::SurfaceModel::mesh ? "the scene file names a mesh"
-                         : full_mesh                              ? "--solver full-mesh solves the mesh"
-                                                                  : "a mesh was requested";
+  const bool own_mesh =
+      !options.accuracy && options.rung.empty() && (on_mesh || scene.model == fem::SurfaceModel::mesh);
+  FinerAnswer finer = options.estimate_error && own_mesh ? begin_finer(scene) : FinerAnswer{};
+  SolveOutcome outcome = options.accuracy ? solve_to_accuracy(scene, options) : solve_as_named(scene, options, on_mesh);
+  if (!options.estimate_error) return outcome;
+  outcome.error = mesh_error(outcome, std::move(finer));
+  if (!outcome.error)
+    outcome.no_estimate = outcome.plan ? "one of the rungs that were compared misses the contact"
+                                       : why_no_estimate(outcome.scene, outcome.solution);
   return outcome;
 }
 

@@ -233,10 +233,9 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
         fmt::format("in fp32 single base forces may be off by some {:.1g} of the largest, more than the residual "
                     "shows: fp64 resolves them (docs/accuracy.md)",
                     solution.base_force_error));
-  if (!outcome.rung.empty() && !carries(outcome.scene.sensor, rung_named(outcome.rung)))
+  if (!outcome.rung.name.empty() && !carries(scene.sensor, outcome.rung))
     all.push_back(fmt::format("rung {} requires more than the {} columns that a mesh may have: its mesh is coarser, {}",
-                              outcome.rung, fem::most_columns,
-                              description(rung_named(outcome.rung), outcome.scene.sensor)));
+                              outcome.rung.name, fem::most_columns, description(outcome.rung, scene.sensor)));
   if (!scene.sensor.layers.empty())
     all.push_back("errors were not measured for scenes like this one: layers upon layers");
   if (!outcome.no_estimate.empty())

@@ -18,8 +18,9 @@ namespace tactel {
 namespace {
 
 /// The answer of a path that solve() returned.
-template <class Kind>
-const Kind& answer_of(const auto& path) {
+template <class AnyPath>
+const auto& answer_of(const AnyPath& path) {
+  using Kind = std::conditional_t<std::is_same_v<AnyPath, Path>, host::SolveOutcome, host::PadOutcome>;
   if (path.outcome.state() == nullptr) throw ValueError("path", "one without its scene", "an answer of solve()");
   return std::get<Kind>(*path.outcome.state()->of);
 }
@@ -31,23 +32,20 @@ std::size_t checked(std::optional<std::size_t> step, const auto& outcome, std::s
   return step.value_or(usual);
 }
 
-template <class Kind>
 std::string page_of(const auto& path, std::optional<std::size_t> step) {
   return api::with_public_errors([&] {
-    const auto& outcome = answer_of<Kind>(path);
+    const auto& outcome = answer_of(path);
     return host::answer_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();
   });
 }
 
-template <class Kind>
 std::string json_of(const auto& path) {
-  return api::with_public_errors([&] { return host::json_text(host::to_json(answer_of<Kind>(path))); });
+  return api::with_public_errors([&] { return host::json_text(host::to_json(answer_of(path))); });
 }
 
-template <class Kind>
 Convergence convergence_of(const auto& path, std::optional<std::size_t> step) {
   return api::with_public_errors([&] {
-    const auto& outcome = answer_of<Kind>(path);
+    const auto& outcome = answer_of(path);
     const host::Convergence found =
         host::converge(outcome, checked(step, outcome, host::telling_step(outcome.solution)));
     Convergence given{.step = found.step};
@@ -73,16 +71,12 @@ Outcome& Outcome::operator=(const Outcome& other) {
   return *this;
 }
 
-std::string html(const Path& path, std::optional<std::size_t> step) { return page_of<host::SolveOutcome>(path, step); }
-std::string html(const PadPath& path, std::optional<std::size_t> step) { return page_of<host::PadOutcome>(path, step); }
-std::string json(const Path& path) { return json_of<host::SolveOutcome>(path); }
-std::string json(const PadPath& path) { return json_of<host::PadOutcome>(path); }
-Convergence converge(const Path& path, std::optional<std::size_t> step) {
-  return convergence_of<host::SolveOutcome>(path, step);
-}
-Convergence converge(const PadPath& path, std::optional<std::size_t> step) {
-  return convergence_of<host::PadOutcome>(path, step);
-}
+std::string html(const Path& path, std::optional<std::size_t> step) { return page_of(path, step); }
+std::string html(const PadPath& path, std::optional<std::size_t> step) { return page_of(path, step); }
+std::string json(const Path& path) { return json_of(path); }
+std::string json(const PadPath& path) { return json_of(path); }
+Convergence converge(const Path& path, std::optional<std::size_t> step) { return convergence_of(path, step); }
+Convergence converge(const PadPath& path, std::optional<std::size_t> step) { return convergence_of(path, step); }
 void to_html(const Path& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, html(path, step));
 }
@@ -92,7 +86,7 @@ void to_html(const PadPath& path, const std::string& file, std::optional<std::si
 
 void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, api::with_public_errors([&] {
-          const auto& outcome = answer_of<host::SolveOutcome>(path);
+          const auto& outcome = answer_of(path);
           if (outcome.on_patch())
             throw ValueError("path", "an answer on a patch, which has no nodes in the block",
                              "on a mesh, such as that of the rung mesh-161");
@@ -102,7 +96,7 @@ void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t
 }
 void to_vtu(const PadPath& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, api::with_public_errors([&] {
-          const auto& outcome = answer_of<host::PadOutcome>(path);
+          const auto& outcome = answer_of(path);
           const std::size_t last = outcome.solution.steps.size() - 1;
           return host::field_of(file, outcome.scene, outcome.solution, checked(step, outcome, last));
         }));

@@ -12,28 +12,29 @@ namespace tactel {
 namespace api {
 namespace {
 
+/// Rubber and tactels, which both structs have by the same names.
+void copy_rubber(auto& to, const auto& from) {
+  to.length = from.length, to.thickness = from.thickness, to.young = from.young, to.poisson = from.poisson;
+  to.tactels = from.tactels, to.tactel_span = from.tactel_span, to.tactel_width = from.tactel_width;
+  to.layers = from.layers;
+}
+
 fem::Sensor sensor_to_fem(const Sensor& from) {
   fem::Sensor sensor;
-  sensor.length = from.length, sensor.thickness = from.thickness;
-  sensor.young = from.young, sensor.poisson = from.poisson;
-  sensor.tactels = from.tactels, sensor.tactel_span = from.tactel_span, sensor.tactel_width = from.tactel_width;
+  copy_rubber(sensor, from);
   if (from.mesh) {
     sensor.columns = from.mesh->columns, sensor.rows = from.mesh->rows, sensor.grading = from.mesh->grading;
     sensor.element = from.mesh->element;
     sensor.stress = from.mesh->stress;
   }
-  sensor.layers = from.layers;
   return with_layers(std::move(sensor));
 }
 
 Sensor sensor_from_fem(const fem::Sensor& from, fem::SurfaceModel model) {
   Sensor sensor;
-  sensor.length = from.length, sensor.thickness = from.thickness;
-  sensor.young = from.young, sensor.poisson = from.poisson;
-  sensor.tactels = from.tactels, sensor.tactel_span = from.tactel_span, sensor.tactel_width = from.tactel_width;
+  copy_rubber(sensor, from);
   if (model == fem::SurfaceModel::mesh)
     sensor.mesh = Mesh{from.columns, from.rows, from.grading, from.element, from.stress};
-  sensor.layers = from.layers;
   return sensor;
 }
 

@@ -104,7 +104,6 @@ Path solve(const Scene& scene, const SolveOptions& options) {
     const fem::Scene made = api::to_fem(scene);
     made.validate();
     host::SolveOutcome outcome = host::solve(made, options_of_line(options));
-    if (options.estimate_error) host::estimate_error(outcome);
     Path path = path_of(outcome);
     path.outcome = outcome_of(std::move(outcome));
     return path;

@@ -5,14 +5,13 @@
 #include <limits>
 
 #include "fem/gap/load_stepping.h"
-#include "host/answers/rung_for_many.h"
+#include "host/answers/planner.h"
 #include "host/answers/step_quantities.h"
 #include "host/api/conversion.h"
 #include "host/contact/limits.h"
 #include "host/contact/lines/contact_stream.h"
 #include "host/contact/pads/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
-#include "host/support/chosen_row.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -174,11 +173,9 @@ Paths solve_paths(const SolveOptions& options, std::span<const fem::Scene> scene
   const std::optional<host::Rung> asked =
       host::rung_for_many(executor, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
   host::Rung rung = asked.value_or(host::usual_patch());
-  if (!options.precision.empty())
-    rung.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+  rung.precision = host::precision_named(options.precision, rung.precision);
   if (options.tolerance) rung.accept_at_most(*options.tolerance);
-  const host::Precision own = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-  const host::Precision meshes = asked ? rung.precision : own;
+  const host::Precision meshes = asked ? rung.precision : host::precision_named(options.precision);
 
   PathArrays<host::LineContacts, Paths> arrays(scenes);
   std::size_t done = 0;
@@ -244,27 +241,18 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
                        "left out: solve and PadStepper have displacements of markers");
 }
 
-/// Returns the rung that is named, or the cheapest that keeps the accuracy on at most host::most_tried of the scenes,
-/// or the usual one.
+/// Returns the rung that is named, or the cheapest that keeps the accuracy on those of the scenes that are tried, the
+/// finest below the reference where none does, or the usual one.
 host::PadRung rung_for_pads(host::Executor& executor, const SolveOptions& options,
                             std::span<const fem::PadScene> scenes) {
-  if (const auto rung = host::pad_rung_for_many(options)) return *rung;
+  if (const auto rung = host::named_rung_for_many<host::PadRung>(options)) return *rung;
   if (!options.accuracy) return host::usual_pad_rung();
-  std::vector<fem::PadScene> sample;
-  const std::size_t count = std::min<std::size_t>(scenes.size(), host::most_tried);
-  for (std::size_t k = 0; k < count; ++k) sample.push_back(scenes[host::chosen_row(k, count, scenes.size())]);
-  const std::vector<host::PadRung>& rungs = host::pad_rungs();
+  const auto tried = host::tried_of(scenes.size(), [&](std::uint64_t k) { return scenes[k]; });
   const std::vector<fem::PadSolution> solutions =
-      host::PadStream(executor, host::model_of(rungs.front())).solve(std::span<const fem::PadScene>(sample));
-  const auto keeps = [&](const host::PadRung& rung) {
-    for (std::size_t k = 0; k < count; ++k) {
-      const double depth = host::deepest(sample[k], solutions[k]);
-      if (host::expected_pad_error(rung, sample[k], depth).expected.S > *options.accuracy) return false;
-    }
-    return true;
-  };
-  const auto finest = std::prev(std::ranges::find(rungs, true, &host::PadRung::exact));
-  return *std::find_if(rungs.begin(), finest, keeps);
+      host::PadStream(executor, host::model_of(host::all_rungs<host::PadRung>().front())).solve(tried);
+  const host::PadRung& cheapest = host::cheapest_pad_rung(
+      tried, *options.accuracy, [&](std::size_t k) { return host::deepest(tried[k], solutions[k]); });
+  return cheapest.exact ? *std::prev(&cheapest) : cheapest;
 }
 
 }  // namespace
@@ -288,7 +276,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
     host::Executor executor{host::Device(options.device)};
     const host::PadRung rung = rung_for_pads(executor, options, all);
     host::PadModel model = host::model_of(rung);
-    model.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    model.precision = host::precision_named(options.precision);
     if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
     const host::PadStream stream(executor, model);
     PathArrays<host::PadContacts, PadPaths> arrays(all);

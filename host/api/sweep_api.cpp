@@ -5,9 +5,9 @@
 #include <memory>
 #include <utility>
 
-#include "host/answers/rung_for_many.h"
+#include "host/answers/planner.h"
 #include "host/api/conversion.h"
-#include "host/contact/pads/pad_rung.h"
+#include "host/scenes/ladder.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
@@ -43,8 +43,7 @@ class Simulation {
         std::visit([&](auto& of) { return choose_model(of, options, set); }, source_);
     if (!options.transducer) host::common(source_).measure_with({}, source().seed());
     if (options.tolerance) set.tolerance = *options.tolerance;
-    if (!options.precision.empty())
-      set.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    set.precision = host::precision_named(options.precision, set.precision);
     rung_ = host::model_text(source_, rung, set, options.accuracy);
     plan_ = host::recipe_of(sweep, rung, set).conditions;
     simulator_ = std::make_unique<host::SetSimulator>(executor_, source_, set);
@@ -86,7 +85,7 @@ class Simulation {
   std::optional<host::Rung> choose_model(host::PadSource&, const SweepOptions& options, host::SetOptions& set) {
     if (options.accuracy)
       throw InputError("accuracy", std::to_string(*options.accuracy), "leave it out for a sweep of pads: give a rung");
-    if (!options.rung.empty()) set.pad = host::pad_rung_named(options.rung);
+    if (!options.rung.empty()) set.pad = host::rung_named<host::PadRung>(options.rung);
     if (set.pad.exact) throw InputError("rung", options.rung, "must be pad-8, -12, -16 or -24 for a sweep");
     if (options.tolerance) set.accept = fem::slow_on_patch * *options.tolerance;
     return {};

@@ -5,16 +5,15 @@
 
 #include "fem/gap/stress_field.h"
 #include "fem/pad/side_kernel.h"
-#include "host/answers/rung_for_many.h"
+#include "host/answers/planner.h"
 #include "host/commands/add_option.h"
 #include "host/commands/shared_options.h"
-#include "host/contact/pads/pad_rung.h"
+#include "host/scenes/ladder.h"
 #include "host/scenes/scene_source.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
 #include "host/sets/set_recipe.h"
-#include "host/support/chosen_row.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
@@ -40,7 +39,7 @@ ProductionOptions production_options(const GenerateRequest& request) {
   const SolveOptions& solve = request.shared.solve;
   if (solve.solver != "batched") throw ConfigError("command line", "--solver", solve.solver, "batched for sets");
   ProductionOptions options;
-  options.set.precision = solve.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  options.set.precision = precision_named(solve.precision);
   options.set.accept = solve.tolerance.value_or(0);
   if (!solve.device.empty()) options.devices = {solve.device};
   if (!request.devices.empty())
@@ -78,19 +77,12 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
 
 /// The rung of pads that --rung names, or the cheapest whose class of errors keeps --accuracy.
 PadRung pad_rung(const SolveOptions& solve, const PadSource& source) {
-  if (const auto rung = pad_rung_for_many(solve)) return *rung;
+  if (const auto rung = named_rung_for_many<PadRung>(solve)) return *rung;
   if (!solve.accuracy) return usual_pad_rung();
-  const std::uint64_t count = std::min(source.contacts(), most_tried);
-  const auto keeps = [&](const PadRung& rung) {
-    for (std::uint64_t k = 0; k < count; ++k) {
-      const fem::PadScene scene = source.contact(chosen_row(k, count, source.contacts())).scene;
-      const double H = scene.sensor.thickness;
-      const double depth = by_force(scene) ? usual_depth * H : largest_normal(scene.load);
-      if (expected_pad_error(rung, scene, depth).expected.S > *solve.accuracy) return false;
-    }
-    return true;
-  };
-  const PadRung& cheapest = *std::ranges::find_if(pad_rungs(), [&](const auto& r) { return r.exact || keeps(r); });
+  const auto tried = tried_of(source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; });
+  const PadRung& cheapest = cheapest_pad_rung(tried, *solve.accuracy, [&](std::size_t k) {
+    return by_force(tried[k]) ? usual_depth * tried[k].sensor.thickness : largest_normal(tried[k].load);
+  });
   if (cheapest.exact)
     throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *solve.accuracy),
                       "an error in S that a rung of pads keeps on these contacts (docs/pads.md); pad-24 is the finest");

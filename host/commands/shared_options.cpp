@@ -48,7 +48,7 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
              "model, from fast to exact, instead of the file's: patch-8, patch-12, patch-16, patch-24, paper, "
              "mesh-321, reference (docs/accuracy.md has others); of pads pad-8, pad-12, pad-16, pad-24, reference",
              {.type = "NAME"})
-      ->check(CLI::IsMember(both(rung_names(), pad_rung_names())));
+      ->check(CLI::IsMember(both(rung_names(), rung_names<PadRung>())));
   add_option(command, "--accuracy", solve.accuracy,
              "largest expected error in S: selects the cheapest rung that keeps it, and reports the choice",
              {.type = "E", .positive = true});

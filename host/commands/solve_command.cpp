@@ -91,7 +91,8 @@ void write_field(const SolveRequest& request, const PadOutcome& outcome, std::si
 }
 
 SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
-  const SolveOptions& options = request.shared.solve;
+  SolveOptions options = request.shared.solve;
+  options.estimate_error = true;
   const bool on_mesh = !request.field.empty();
   if (on_mesh) {
     check_writable("--field", request.field);
@@ -103,12 +104,7 @@ SolveOutcome solve_file(const SolveRequest& request, const fem::Scene& asked) {
                         "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
   }
   const StageLine stage("solving " + request.scene, request.shared.quiet);
-  const bool on_own_mesh =
-      options.rung.empty() && !options.accuracy && (on_mesh || asked.model == fem::SurfaceModel::mesh);
-  FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
-  SolveOutcome solved = solve(asked, options, on_mesh);
-  estimate_error(solved, std::move(finer));
-  return solved;
+  return solve(asked, options, on_mesh);
 }
 
 /// " (tables of its free sides first: about 3 s)" where that takes a second or more.

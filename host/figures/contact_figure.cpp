@@ -19,54 +19,28 @@ double column_width(const ContactSolution& solution) { return solution.surface_x
 
 /// Where the surface is touched at this step and a little beyond, mm.
 std::pair<double, double> contact_window(const ContactSolution& solution, const ContactStep& step) {
-  double left = INFINITY, right = -INFINITY;
-  for (std::size_t i = 0; i < step.status.size(); ++i) {
-    if (step.status[i] == GapStatus::open) continue;
-    left = std::min(left, solution.surface_x[static_cast<Eigen::Index>(i)]);
-    right = std::max(right, solution.surface_x[static_cast<Eigen::Index>(i)]);
-  }
+  const auto [left, right] = touched_part(solution, step);
   const double from = solution.surface_x[0], to = solution.surface_x[solution.surface_x.size() - 1];
   if (!(left <= right)) return {from, to};
   const double room = std::max(2 * column_width(solution), 0.25 * (right - left));
   return {std::max(from, left - room), std::min(to, right + room)};
 }
 
-/// The points of one status out of a curve over the surface.
-Series marked(const ContactSolution& solution, const ContactStep& step, const std::vector<double>& curve,
-              GapStatus status) {
-  const bool stick = status == GapStatus::stick;
-  Series out{.label = stick ? "stick" : "slip",
-             .mark = stick ? Mark::circles : Mark::triangles,
-             .ink = stick ? Ink::green : Ink::red};
-  for (std::size_t i = 0; i < step.status.size(); ++i) {
-    if (step.status[i] != status) continue;
-    out.x.push_back(solution.surface_x[static_cast<Eigen::Index>(i)]);
-    out.y.push_back(curve[i]);
-  }
-  return out;
-}
-
 Series curve(const std::string& label, const Eigen::VectorXd& x, std::vector<double> y, Mark mark, Ink ink) {
   return {.label = label, .x = list(x), .y = std::move(y), .mark = mark, .ink = ink};
 }
 
-/// Of a patch, force over the element's width; of a mesh, over the spacing of the nodes.
-std::vector<double> traction_of(const Eigen::VectorXd& force, const ContactSolution& solution) {
-  if (solution.surface_width.size() == 0) return traction(force, solution.surface_x);
-  return list(force.cwiseQuotient(solution.surface_width));
-}
-
 Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, const ContactStep& step) {
-  const std::vector<double> pressure = traction_of(step.normal_force, solution);
-  const std::vector<double> shear = traction_of(step.tangential_force, solution);
-  std::vector<double> limit = pressure;
-  for (double& value : limit) value *= step.Q < 0 ? -scene.friction : scene.friction;
+  const Eigen::VectorXd &x = solution.surface_x, pressure = traction_of(step.normal_force, solution),
+                        shear = traction_of(step.tangential_force, solution);
   Panel panel{.title = "On the surface, where it touches", .x_label = "x (mm)", .y_label = "traction (MPa)"};
-  panel.series = {curve("pressure p", solution.surface_x, pressure, Mark::line, Ink::blue),
-                  curve("shear q", solution.surface_x, shear, Mark::long_dashes, Ink::orange),
-                  marked(solution, step, shear, GapStatus::stick), marked(solution, step, shear, GapStatus::slip)};
+  panel.series = {curve("pressure p", x, list(pressure), Mark::line, Ink::blue),
+                  curve("shear q", x, list(shear), Mark::long_dashes, Ink::orange),
+                  marked(step.status, x, shear, GapStatus::stick), marked(step.status, x, shear, GapStatus::slip)};
+  const bool back = step.Q < 0;
   if (std::isfinite(scene.friction))
-    panel.series.push_back(curve(step.Q < 0 ? "-µp" : "µp", solution.surface_x, limit, Mark::dashed, Ink::grey));
+    panel.series.push_back(curve(back ? "-µp" : "µp", x, list((back ? -scene.friction : scene.friction) * pressure),
+                                 Mark::dashed, Ink::grey));
   panel.x_range = contact_window(solution, step);
   panel.zero_line = true;
   return panel;
@@ -95,38 +69,33 @@ Panel base_panel(const ContactSolution& solution, std::size_t shown) {
   return panel;
 }
 
-Panel path_panel(const ContactSolution& solution, std::size_t shown) {
-  Series index{.label = "S = Q / µP", .mark = Mark::line_dots, .ink = Ink::black};
-  Series slipping{.label = "slipping share of the contact", .mark = Mark::dash_triangles, .ink = Ink::red};
-  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
-    const ContactStep& step = solution.steps[k];
-    const auto slips = std::ranges::count(step.status, GapStatus::slip),
-               sticks = std::ranges::count(step.status, GapStatus::stick);
-    index.x.push_back(static_cast<double>(k + 1));
-    index.y.push_back(step.slip_index.value_or(NAN));
-    slipping.x.push_back(static_cast<double>(k + 1));
-    slipping.y.push_back(slips + sticks > 0 ? static_cast<double>(slips) / static_cast<double>(slips + sticks) : NAN);
-  }
-  const double at = static_cast<double>(shown + 1);
-  Panel panel{.title = "Along the path", .x_label = "load step", .y_label = "share"};
-  panel.series = {slipping, index, {.x = {at, at}, .y = {-10, 10}, .mark = Mark::dashed, .ink = Ink::grey}};
-  double lowest = 0.0;
-  for (const double value : index.y) lowest = std::fmin(lowest, value);  // fmin passes over NaN
-  panel.y_range = {lowest - 0.05, 1.08};
-  panel.x_range = {0.5, static_cast<double>(solution.steps.size()) + 0.5};
-  return panel;
+/// The share of the touching nodes that have a status; NaN where none touches.
+double share_of(const ContactStep& step, GapStatus status) {
+  const auto touching = std::ssize(step.status) - std::ranges::count(step.status, GapStatus::open);
+  return touching > 0 ? static_cast<double>(std::ranges::count(step.status, status)) / static_cast<double>(touching)
+                      : NAN;
 }
 
 }  // namespace
 
-std::vector<double> traction(const Eigen::VectorXd& force, const Eigen::VectorXd& x) {
-  std::vector<double> out;
+Eigen::VectorXd traction_of(const Eigen::VectorXd& force, const ContactSolution& solution) {
+  if (solution.surface_width.size() > 0) return force.cwiseQuotient(solution.surface_width);
+  const Eigen::VectorXd& x = solution.surface_x;
   const Eigen::Index last = x.size() - 1;
-  for (Eigen::Index i = 0; i <= last; ++i) {
-    const double width = 0.5 * (x[std::min(i + 1, last)] - x[std::max<Eigen::Index>(i - 1, 0)]);
-    out.push_back(force[i] / width);
-  }
+  Eigen::VectorXd out(x.size());
+  for (Eigen::Index i = 0; i <= last; ++i)
+    out[i] = force[i] / (0.5 * (x[std::min(i + 1, last)] - x[std::max<Eigen::Index>(i - 1, 0)]));
   return out;
+}
+
+fem::Interval touched_part(const ContactSolution& solution, const ContactStep& step) {
+  fem::Interval part{INFINITY, -INFINITY};
+  for (std::size_t i = 0; i < step.status.size(); ++i) {
+    if (step.status[i] == GapStatus::open) continue;
+    part.left = std::min(part.left, solution.surface_x[static_cast<Eigen::Index>(i)]);
+    part.right = std::max(part.right, solution.surface_x[static_cast<Eigen::Index>(i)]);
+  }
+  return part;
 }
 
 Figure contact_figure(const fem::Scene& scene, const ContactSolution& solution, std::size_t shown) {
@@ -135,22 +104,43 @@ Figure contact_figure(const fem::Scene& scene, const ContactSolution& solution, 
   Figure figure{.title =
                     fmt::format("{}: depth {:.4g} mm, drag {:.4g} mm", plain(what), step.indentation, step.tangential)};
   figure.panels = {surface_panel(scene, solution, step), base_panel(solution, shown)};
-  if (solution.steps.size() > 1) figure.panels.push_back(path_panel(solution, shown));
+  if (solution.steps.size() > 1) {
+    const auto index = [](const ContactStep& s) { return s.slip_index.value_or(NAN); };
+    const auto slipping = [](const ContactStep& s) { return share_of(s, GapStatus::slip); };
+    figure.panels.push_back(path_panel(
+        {along_path(solution.steps, "slipping share of the contact", Ink::red, Mark::dash_triangles, slipping),
+         along_path(solution.steps, "S = Q / µP", Ink::black, Mark::line_dots, index)},
+        shown));
+  }
   return figure;
 }
 
-double sticking_share(const ContactStep& step) {
-  const auto stick = std::ranges::count(step.status, GapStatus::stick),
-             slip = std::ranges::count(step.status, GapStatus::slip);
-  return stick + slip > 0 ? static_cast<double>(stick) / static_cast<double>(stick + slip) : NAN;
+double sticking_share(const ContactStep& step) { return share_of(step, GapStatus::stick); }
+
+Series marked(const std::vector<GapStatus>& statuses, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+              GapStatus status) {
+  const bool stick = status == GapStatus::stick;
+  Series out{.label = stick ? "stick" : "slip",
+             .mark = stick ? Mark::circles : Mark::triangles,
+             .ink = stick ? Ink::green : Ink::red};
+  for (std::size_t i = 0; i < statuses.size(); ++i) {
+    if (statuses[i] != status) continue;
+    out.x.push_back(x[static_cast<Eigen::Index>(i)]), out.y.push_back(y[static_cast<Eigen::Index>(i)]);
+  }
+  return out;
 }
 
-std::size_t telling_step(const ContactSolution& solution) {
-  for (std::size_t k = solution.steps.size(); k-- > 0;) {
-    const double share = sticking_share(solution.steps[k]);
-    if (share > 0 && share < 1) return k;
-  }
-  return solution.steps.size() - 1;
+Panel path_panel(std::vector<Series> shares, std::size_t shown) {
+  const double at = static_cast<double>(shown + 1), steps = static_cast<double>(shares.back().x.size());
+  double lowest = 0.0;
+  for (const double value : shares.back().y) lowest = std::fmin(lowest, value);  // fmin passes over NaN
+  shares.push_back({.x = {at, at}, .y = {-10, 10}, .mark = Mark::dashed, .ink = Ink::grey});
+  return {.title = "Along the path",
+          .x_label = "load step",
+          .y_label = "share",
+          .series = std::move(shares),
+          .x_range = std::pair(0.5, steps + 0.5),
+          .y_range = std::pair(lowest - 0.05, 1.08)};
 }
 
 }  // namespace tactel::host

@@ -14,12 +14,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using fem::ContactSolution;
 using fem::ContactStep;
-using fem::GapStatus;
 using Range = std::pair<double, double>;
 
 constexpr int field_columns = 81, field_rows = 13;
-
-bool touches(GapStatus status) { return status != GapStatus::open; }
 
 // ---- which steps, and which part of the sensor
 
@@ -33,12 +30,10 @@ std::size_t bytes_of_step(const ContactSolution& solution) {
 Range window_of(const fem::Scene& scene, const ContactSolution& solution) {
   const double thickness = scene.sensor.thickness, half = 0.5 * scene.sensor.length;
   double left = std::clamp(scene.indenter.position, -half, half), right = left;
-  for (const ContactStep& step : solution.steps)
-    for (std::size_t i = 0; i < step.status.size(); ++i)
-      if (touches(step.status[i])) {
-        left = std::min(left, solution.surface_x[static_cast<Eigen::Index>(i)]);
-        right = std::max(right, solution.surface_x[static_cast<Eigen::Index>(i)]);
-      }
+  for (const ContactStep& step : solution.steps) {
+    const fem::Interval part = touched_part(solution, step);
+    left = std::min(left, part.left), right = std::max(right, part.right);
+  }
   const double room = std::max(1.2 * thickness, 0.5 * (3.2 * thickness - (right - left)));
   return {std::max(-half, left - room), std::min(half, right + room)};
 }
@@ -199,11 +194,7 @@ class Builder {
   bool bonded() const { return std::isinf(scene_.friction); }
   Eigen::VectorXd in_window(const Eigen::VectorXd& values) const { return values(nodes_); }
 
-  Eigen::VectorXd traction_of(const Eigen::VectorXd& force) const {
-    if (patch()) return force.cwiseQuotient(solution_.surface_width);
-    const std::vector<double> values = traction(force, solution_.surface_x);
-    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-  }
+  Eigen::VectorXd traction(const Eigen::VectorXd& force) const { return traction_of(force, solution_); }
 
   Json step_json(std::size_t k) const {
     const ContactStep& step = solution_.steps[steps_[k]];
@@ -219,8 +210,8 @@ class Builder {
             {"Q", rounded(step.Q, 6)},
             {"S", rounded(step.slip_index.value_or(NAN), 6)},
             {"status", status},
-            {"p", rounded(in_window(traction_of(step.normal_force)))},
-            {"q", rounded(in_window(traction_of(step.tangential_force)))},
+            {"p", rounded(in_window(traction(step.normal_force)))},
+            {"q", rounded(in_window(traction(step.tangential_force)))},
             {"ux", rounded(surface_displacement(fields_[k], 0, x), 4)},
             {"uy", rounded(surface_displacement(fields_[k], 1, x), 4)},
             {"sigma", rounded(step.sigma_y)},
@@ -246,8 +237,8 @@ class Builder {
   Range traction_range() const {
     double low = 0, high = 0;
     for (const std::size_t k : steps_) {
-      const Eigen::VectorXd p = traction_of(solution_.steps[k].normal_force),
-                            q = traction_of(solution_.steps[k].tangential_force);
+      const Eigen::VectorXd p = traction(solution_.steps[k].normal_force),
+                            q = traction(solution_.steps[k].tangential_force);
       high = std::max({high, p.maxCoeff(), q.maxCoeff()}), low = std::min(low, q.minCoeff());
       if (!bonded())
         low = std::min(low, -scene_.friction * p.maxCoeff()), high = std::max(high, scene_.friction * p.maxCoeff());

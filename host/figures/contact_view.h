@@ -75,7 +75,4 @@ Eigen::MatrixX2d cell_corners(const fem::PadIndenter& indenter, const fem::PadCe
 /// Returns the corners of each cell among those, counter-clockwise, [cells][4].
 Eigen::MatrixXi corners_of_cells(int n);
 
-/// Returns the step that tells most of a path: the last in which some cells stick and some slip, else the last.
-std::size_t telling_step(const fem::PadSolution& solution);
-
 }  // namespace tactel::host

@@ -83,7 +83,7 @@ class PadFigure {
                   .width = 1000,
                   .panel_height = 440};
     figure.panels = {surface_panel(figure), tactel_panel(figure), cut_panel()};
-    if (solution_.steps.size() > 1) figure.panels.push_back(path_panel());
+    if (solution_.steps.size() > 1) figure.panels.push_back(grip_panel());
     return figure;
   }
 
@@ -94,17 +94,8 @@ class PadFigure {
   }
   Eigen::MatrixX2d corners() const { return cell_corners(scene_.indenter, cells_); }
 
-  Series marked(GapStatus status) const {
-    const bool stick = status == GapStatus::stick;
-    Series out{.label = stick ? "stick" : "slip",
-               .mark = stick ? Mark::circles : Mark::triangles,
-               .ink = stick ? Ink::green : Ink::red};
-    for (std::size_t k = 0; k < step_.status.size(); ++k) {
-      if (step_.status[k] != status) continue;
-      out.x.push_back(solution_.places(static_cast<Eigen::Index>(k), 0));
-      out.y.push_back(solution_.places(static_cast<Eigen::Index>(k), 1));
-    }
-    return out;
+  Series marked_cells(GapStatus status) const {
+    return marked(step_.status, solution_.places.col(0), solution_.places.col(1), status);
   }
 
   Panel surface_panel(const Figure& figure) const {
@@ -117,8 +108,8 @@ class PadFigure {
         add(*panel.mosaic, all(of_cell.row(k), Eigen::all), step_.normal_force[k] / cells_.area());
     const double most = step_.tangential_force.rowwise().norm().maxCoeff();
     panel.series = {arrows(solution_.places, step_.tangential_force, most > 0 ? 1.4 * side() / most : 0),
-                    closed_line(outline(), Mark::dashed, Ink::black), marked(GapStatus::stick),
-                    marked(GapStatus::slip)};
+                    closed_line(outline(), Mark::dashed, Ink::black), marked_cells(GapStatus::stick),
+                    marked_cells(GapStatus::slip)};
     fit(figure, panel, {all});
     return panel;
   }
@@ -175,23 +166,14 @@ class PadFigure {
             .zero_line = true};
   }
 
-  Panel path_panel() const {
-    Series S{.label = "S", .mark = Mark::line_dots, .ink = Ink::black},
-        ratio{.label = "|Q| / µP", .mark = Mark::dash_triangles, .ink = Ink::orange},
-        stick{.label = "part that sticks", .mark = Mark::long_dashes, .ink = Ink::green};
-    for (const PadStep& step : solution_.steps) {
-      const double number = static_cast<double>(S.x.size() + 1);
-      S.x.push_back(number), S.y.push_back(step.slip_index.value_or(NAN));
-      ratio.x.push_back(number), ratio.y.push_back(step.force_ratio.value_or(NAN));
-      stick.x.push_back(number), stick.y.push_back(step.P > 0 ? step.stick_fraction : NAN);
-    }
-    const double at = static_cast<double>(shown_ + 1);
-    return {.title = "Along the path",
-            .x_label = "load step",
-            .y_label = "share",
-            .series = {stick, ratio, S, {.x = {at, at}, .y = {-10, 10}, .mark = Mark::dashed, .ink = Ink::grey}},
-            .x_range = Range(0.5, static_cast<double>(solution_.steps.size()) + 0.5),
-            .y_range = Range(-0.05, 1.08)};
+  Panel grip_panel() const {
+    const auto S = [](const PadStep& step) { return step.slip_index.value_or(NAN); };
+    const auto ratio = [](const PadStep& step) { return step.force_ratio.value_or(NAN); };
+    const auto stick = [](const PadStep& step) { return sticking_share(step); };
+    return path_panel({along_path(solution_.steps, "part that sticks", Ink::green, Mark::long_dashes, stick),
+                       along_path(solution_.steps, "|Q| / µP", Ink::orange, Mark::dash_triangles, ratio),
+                       along_path(solution_.steps, "S", Ink::black, Mark::line_dots, S)},
+                      shown_);
   }
 
   const PadScene& scene_;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "fem/pad/pad_markers.h"
+#include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"
 
 namespace tactel::host {
@@ -91,7 +92,7 @@ class PadBuilder {
       number.push_back(static_cast<double>(number.size() + 1));
       P.push_back(s.P), Qx.push_back(s.Q[0]), Qy.push_back(s.Q[1]), M.push_back(s.M);
       S.push_back(s.slip_index.value_or(NAN)), ratio.push_back(s.force_ratio.value_or(NAN));
-      stick.push_back(s.P > 0 ? s.stick_fraction : NAN);
+      stick.push_back(sticking_share(s));
     }
     return {{"number", rounded(number)}, {"P", rounded(P)}, {"Qx", rounded(Qx)},       {"Qy", rounded(Qy)},
             {"M", rounded(M)},           {"S", rounded(S)}, {"ratio", rounded(ratio)}, {"stick", rounded(stick)}};
@@ -253,14 +254,6 @@ Eigen::MatrixXi corners_of_cells(int n) {
       corners.row(i * n + j) << first, first + n + 1, first + n + 2, first + 1;
     }
   return corners;
-}
-
-std::size_t telling_step(const PadSolution& solution) {
-  for (std::size_t k = solution.steps.size(); k-- > 0;) {
-    const double share = solution.steps[k].stick_fraction;
-    if (solution.steps[k].P > 0 && share > 0 && share < 1) return k;
-  }
-  return solution.steps.size() - 1;
 }
 
 }  // namespace tactel::host

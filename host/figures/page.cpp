@@ -97,16 +97,10 @@ std::string verdict_html(const std::string& headline, const std::vector<Finding>
 
 // ---- figures
 
-/// Six digits are more than a picture shows, and keep the page small.
-Json numbers(const std::vector<double>& values, int digits = 6) {
-  Json out = Json::array();
-  for (const double value : values)
-    out.push_back(std::isfinite(value) ? Json(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr))
-                                       : Json());
-  return out;
-}
+constexpr int page_digits = 6;  ///< more than a picture shows; they keep the page small
+
 Json range_json(const std::optional<std::pair<double, double>>& range) {
-  return range ? numbers({range->first, range->second}) : Json();
+  return range ? rounded(std::array{range->first, range->second}, page_digits) : Json();
 }
 
 const char* name(Mark mark) {
@@ -120,15 +114,20 @@ const char* name(Ink ink) {
 }
 
 Json to_json(const Series& series) {
-  return {{"label", series.label},        {"mark", name(series.mark)}, {"ink", name(series.ink)},
-          {"x", numbers(series.x)},       {"y", numbers(series.y)},    {"low", numbers(series.low)},
-          {"high", numbers(series.high)}, {"names", series.names}};
+  return {{"label", series.label},
+          {"mark", name(series.mark)},
+          {"ink", name(series.ink)},
+          {"x", rounded(series.x, page_digits)},
+          {"y", rounded(series.y, page_digits)},
+          {"low", rounded(series.low, page_digits)},
+          {"high", rounded(series.high, page_digits)},
+          {"names", series.names}};
 }
 
 Json to_json(const Raster& raster) {
   return {{"rows", raster.rows},
           {"columns", raster.columns},
-          {"values", numbers(raster.values, 4)},
+          {"values", rounded(raster.values, 4)},
           {"x_range", range_json(raster.x_range)},
           {"y_range", range_json(raster.y_range)},
           {"unit", raster.unit},

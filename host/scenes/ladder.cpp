@@ -37,14 +37,15 @@ std::string patch_text(const Rung& rung) {
 }
 
 /// Other names of rungs.
-const std::vector<std::pair<std::string, std::string>>& other_names() {
-  static const std::vector<std::pair<std::string, std::string>> names = {
-      {"draft", "patch-8"}, {"medium", "patch-12"}, {"fine", "patch-16"}, {"finest", "patch-24"}};
-  return names;
+template <class AnyRung>
+std::vector<std::pair<std::string, std::string>> other_names() {
+  if constexpr (std::is_same_v<AnyRung, PadRung>) return {};
+  return {{"draft", "patch-8"}, {"medium", "patch-12"}, {"fine", "patch-16"}, {"finest", "patch-24"}};
 }
 
 }  // namespace
 
+template <>
 const std::vector<Rung>& all_rungs() {
   using enum Precision;
   static const std::vector<Rung> rungs = {
@@ -95,6 +96,13 @@ const std::vector<Rung>& all_rungs() {
   return rungs;
 }
 
+template <>
+const std::vector<PadRung>& all_rungs() {
+  static const std::vector<PadRung> rungs = {
+      {"pad-8", 8, 2}, {"pad-12", 12, 4}, {"pad-16", 16, 6}, {"pad-24", 24, 8}, {"reference", 64, 16, true}};
+  return rungs;
+}
+
 const std::vector<Rung>& ladder() {
   static const std::vector<Rung> rungs = [] {
     std::vector<Rung> climbed;
@@ -105,27 +113,39 @@ const std::vector<Rung>& ladder() {
   return rungs;
 }
 
-const Rung& usual_patch() { return rung_named("patch-12"); }
-
+template <class AnyRung>
 std::vector<std::string> rung_names() {
   std::vector<std::string> names;
-  for (const Rung& rung : all_rungs()) names.push_back(rung.name);
-  for (const auto& [other, rung] : other_names()) names.push_back(other);
+  for (const AnyRung& rung : all_rungs<AnyRung>()) names.push_back(rung.name);
+  for (const auto& [other, rung] : other_names<AnyRung>()) names.push_back(other);
   return names;
 }
 
-const Rung& rung_named(const std::string& name) {
-  const auto other = std::ranges::find(other_names(), name, &std::pair<std::string, std::string>::first);
-  const std::string& own = other == other_names().end() ? name : other->second;
-  const auto found = std::ranges::find(all_rungs(), own, &Rung::name);
-  if (found == all_rungs().end())
+template <class AnyRung>
+const AnyRung& rung_named(const std::string& name) {
+  std::string own = name;
+  for (const auto& [other, rung] : other_names<AnyRung>())
+    if (other == name) own = rung;
+  const std::vector<AnyRung>& rungs = all_rungs<AnyRung>();
+  const auto found = std::ranges::find(rungs, own, &AnyRung::name);
+  if (found == rungs.end())
     throw ConfigError("command line", "--rung", name,
-                      "a rung of lines, one of " + listed(rung_names()) + did_you_mean(name, rung_names()));
+                      fmt::format("a rung of {}, one of ", std::is_same_v<AnyRung, Rung> ? "lines" : "pads") +
+                          listed(rung_names<AnyRung>()) + did_you_mean(name, rung_names<AnyRung>()));
   return *found;
 }
 
+template const Rung& rung_named(const std::string&);
+template const PadRung& rung_named(const std::string&);
+template std::vector<std::string> rung_names<Rung>();
+template std::vector<std::string> rung_names<PadRung>();
+
 std::string description(const Rung& rung) {
   return rung.patch() ? patch_text(rung) : mesh_text(rung, rung.columns - 1);
+}
+
+std::string description(const PadRung& rung) {
+  return fmt::format("{0} x {0} cells, {1} increments", rung.cells, rung.increments);
 }
 
 std::string description(const Rung& rung, const fem::Sensor& sensor) {

@@ -30,18 +30,37 @@ struct Rung {
   void accept_at_most(double residual) { tolerance = 0, accept = residual; }
 };
 
-/// Returns all named rungs: patches, the paper's mesh, other meshes, the reference.
+/// Model of a contact on a pad: cells along a side, and the least number of increments to each pressing target.
+struct PadRung {
+  std::string name;
+  int cells = 12;
+  int increments = 4;
+  bool exact = false;  ///< fem::PadReference, which states its own error
+};
+
+/// Returns all named rungs: of lines (Rung) patches, the paper's mesh, other meshes, the reference; of pads (PadRung)
+/// the cheapest first, the reference last.
+template <class AnyRung = Rung>
+const std::vector<AnyRung>& all_rungs();
+template <>
 const std::vector<Rung>& all_rungs();
+template <>
+const std::vector<PadRung>& all_rungs();
 /// Returns the rungs that the planner climbs, cheapest first. The last is the reference of the others.
 const std::vector<Rung>& ladder();
-/// Returns the rung of contacts on patches where none is asked for.
-const Rung& usual_patch();
 /// Returns the rung of a name or of one of its other names. Throws ConfigError naming --rung.
-const Rung& rung_named(const std::string& name);
+template <class AnyRung = Rung>
+const AnyRung& rung_named(const std::string& name);
 /// Returns the names of all rungs and their other names.
+template <class AnyRung = Rung>
 std::vector<std::string> rung_names();
-/// Returns "12 elements, 4 increments, fp32 1e-03" or "41 x 11 bbar, 1 step, fp32 1e-04".
+/// Returns the rung of contacts on patches, and of pads, where none is asked for.
+inline const Rung& usual_patch() { return rung_named("patch-12"); }
+inline const PadRung& usual_pad_rung() { return rung_named<PadRung>("pad-12"); }
+/// Returns "12 elements, 4 increments, fp32 1e-03" or "41 x 11 bbar, 1 step, fp32 1e-04"; of a pad "12 x 12 cells, 4
+/// increments".
 std::string description(const Rung& rung);
+std::string description(const PadRung& rung);
 /// The same with the columns for this sensor.
 std::string description(const Rung& rung, const fem::Sensor& sensor);
 

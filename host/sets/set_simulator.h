@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "host/contact/lines/gap_sweep.h"
-#include "host/contact/pads/pad_rung.h"
+#include "host/scenes/ladder.h"
 #include "host/scenes/paper_sets.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/contact_set.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "host/answers/rung_for_many.h"
+#include "host/answers/planner.h"
 #include "host/scenes/scene_source.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
@@ -43,7 +43,7 @@ Sweep modelled(Sweep sweep, const std::string& name, SetOptions& options) {
   SolveOptions asked;
   asked.rung = name;
   if (std::holds_alternative<PadSource>(sweep.source))
-    options.pad = pad_rung_for_many(asked).value();
+    options.pad = named_rung_for_many<PadRung>(asked).value();
   else
     model_on(named_rung_for_many(asked).value(), std::get<SceneSource>(sweep.source), options);
   return sweep;

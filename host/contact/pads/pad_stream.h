@@ -9,8 +9,8 @@
 
 #include "fem/pad/pad_presses.h"
 #include "host/contact/pads/pad_contact.h"
-#include "host/contact/pads/pad_rung.h"
 #include "host/contact/stream_of.h"
+#include "host/scenes/ladder.h"
 
 namespace tactel::host {
 

@@ -49,7 +49,7 @@ double pad_steps_per_second(const PadStream& stream, const PadRung& rung) {
 
 Tradeoff measure_pad_tradeoff(Executor& executor, const TradeoffOptions& options) {
   const auto scenes = random_scenes(fem::PadMix(static_cast<unsigned>(options.seed)), options.scenes);
-  const std::vector<PadRung>& rungs = pad_rungs();
+  const std::vector<PadRung>& rungs = all_rungs<PadRung>();
   const auto go_on = [&](std::size_t done) {
     if (options.progress && !options.progress(done, scenes.size() + rungs.size() - 1))
       throw Stopped("stopped; no report is written");

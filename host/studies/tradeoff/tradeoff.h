@@ -8,11 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "host/answers/rung_error.h"
-#include "host/contact/pads/pad_rung.h"
+#include "host/answers/line_error.h"
 #include "host/contact/stream_of.h"
 #include "host/device/executor.h"
 #include "host/figures/plot.h"
+#include "host/scenes/ladder.h"
 
 namespace tactel::host {
 

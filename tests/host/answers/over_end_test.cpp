@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "host/answers/mesh_error.h"
+#include "host/answers/line_error.h"
 #include "host/answers/solve.h"
 #include "host/contact/lines/contact_fallback.h"
 #include "host/contact/lines/patch_contact.h"
@@ -77,7 +77,7 @@ TEST_P(OverTheEnd, TheSaidErrorCoversTheMadeOne) {
 TEST_P(OverTheEnd, ThePlannerTakesAnExactRung) {
   const OverEnd of = GetParam()();
   const SolveOutcome outcome = solved(of, {.accuracy = 0.02});
-  EXPECT_TRUE(rung_named(outcome.rung).exact) << outcome.rung;
+  EXPECT_TRUE(outcome.rung.exact) << outcome.rung.name;
   EXPECT_LE(std::abs(*outcome.solution.steps[of.step].slip_index - of.S), outcome.plan->estimate);
 }
 

@@ -248,7 +248,7 @@ TEST(PadSolve, ScenesWithoutAnEndAreUnsolvedInABatch) {
   scene.sensor.thickness = 1e-6;
   Executor executor{Device("")};
   const std::vector<fem::PadScene> scenes{dragged(), scene};
-  const auto solutions = PadStream(executor, model_of(pad_rung_named("pad-8"))).solve(scenes);
+  const auto solutions = PadStream(executor, model_of(rung_named<PadRung>("pad-8"))).solve(scenes);
   EXPECT_TRUE(every_step_converged(solutions[0]));
   for (const fem::PadStep& step : solutions[1].steps) EXPECT_TRUE(!step.converged && step.P == 0);
 }
@@ -335,7 +335,7 @@ TEST(PadRungs, ClassesAndErrors) {
   EXPECT_EQ(class_of(fem::Box{{2, 2}, 0.2}, 1), PadClass::tilted);
   EXPECT_EQ(class_of(fem::HeightMap{}), PadClass::height_map);
   scene = dragged();
-  const PadRung& rung = pad_rung_named("pad-12");
+  const PadRung& rung = rung_named<PadRung>("pad-12");
   const ExpectedError inside = expected_pad_error(rung, scene, 0.2);
   EXPECT_EQ(inside.expected.S, measured_pads()[1].of[0].most95.S);
   EXPECT_THAT(inside.outside, IsEmpty());
@@ -348,11 +348,11 @@ TEST(PadRungs, ClassesAndErrors) {
 
 // With three times as many cells; between neighbours a class of some scenes need not show it.
 TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
-  ASSERT_EQ(measured_pads().size() + 1, pad_rungs().size());
+  ASSERT_EQ(measured_pads().size() + 1, all_rungs<PadRung>().size());
   for (std::size_t r = 0; r < measured_pads().size(); ++r)
     for (int c = 0; c < pad_classes; ++c) {
       const PadErrors& e = measured_pads()[r].of[c];
-      EXPECT_EQ(measured_pads()[r].name, pad_rungs()[r].name);
+      EXPECT_EQ(measured_pads()[r].name, all_rungs<PadRung>()[r].name);
       EXPECT_TRUE(0 < e.most95.S && e.most95.S <= e.largest);
       for (const auto member : std::span(fem::pad_error_members).first<6>())
         EXPECT_LT(measured_pads().back().of[c].most95.*member, measured_pads().front().of[c].most95.*member) << c;

@@ -6,8 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "host/answers/rung_error.h"
-#include "host/answers/rung_for_many.h"
+#include "bench/error_line.h"
+#include "host/answers/line_error.h"
 #include "host/answers/solve.h"
 #include "host/contact/lines/contact_fallback.h"
 #include "host/contact/lines/contact_stream.h"
@@ -105,7 +105,7 @@ TEST(Planner, AgreementByChanceIsNoProof) {
   const fem::Scene scene = pressed();
   const RungChoice chosen =
       plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
-  EXPECT_EQ(chosen.trials.front().difference, 0);
+  EXPECT_EQ(chosen.trials.front().difference.S, 0);
   EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].error.least);
   EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[0].next_error.least);
 }
@@ -116,7 +116,7 @@ TEST(Planner, SaysNoLessThanItHasMeasured) {
   const auto far_apart = [](const Rung& rung) { return std::vector{answer_with(0.5 + 1.0 / rung.elements, 1)}; };
   for (const double accuracy : {0.1, 0.05, 0.02, 0.01, 1e-3}) {
     const RungChoice chosen = plan(std::span(&scene, 1), accuracy, far_apart);
-    EXPECT_GE(chosen.estimate, chosen.trials.back().difference);
+    EXPECT_GE(chosen.estimate, chosen.trials.back().difference.S);
     EXPECT_EQ(chosen.kept, chosen.estimate <= accuracy);
   }
   // the reference differs by 1/120 from half as many elements
@@ -169,7 +169,7 @@ TEST(Planner, AContactThatBothRungsMissIsUnknown) {
   const RungChoice sharp = plan(std::span(&scene, 1), 0.3, missed_below(16));
   EXPECT_GE(sharp.rung.elements, 16);
   EXPECT_TRUE(sharp.trials.front().missed);
-  EXPECT_EQ(sharp.trials.front().difference, 1);
+  EXPECT_EQ(sharp.trials.front().difference.S, 1);
   EXPECT_FALSE(sharp.trials.back().missed);
   const RungChoice never = plan(std::span(&scene, 1), 0.3, missed_below(1 << 20));
   EXPECT_FALSE(never.kept);
@@ -201,8 +201,8 @@ TEST(Planner, StressesAreMeasuredAndNotPromised) {
     }
     return answers;
   });
-  EXPECT_EQ(chosen.trials.back().sigma, 0);
-  EXPECT_DOUBLE_EQ(chosen.trials.back().tau, 0.5);
+  EXPECT_EQ(chosen.trials.back().difference.sigma, 0);
+  EXPECT_DOUBLE_EQ(chosen.trials.back().difference.tau, 0.5);
   EXPECT_NE(chosen.why().find("the accuracy holds for S alone: sigma_y differs by 0, tau_xy by 0.5 of its largest"),
             std::string::npos)
       << chosen.why();

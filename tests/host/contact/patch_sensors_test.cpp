@@ -12,7 +12,7 @@
 
 #include "fem/layer/patch_solver.h"
 #include "fem/numbers/value_error.h"
-#include "host/answers/rung_for_many.h"
+#include "host/answers/planner.h"
 #include "host/contact/contact_model.h"
 #include "host/contact/lines/contact_fallback.h"
 #include "host/contact/lines/patch_contact.h"

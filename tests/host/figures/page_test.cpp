@@ -180,7 +180,7 @@ TEST(ContactFigure, TellingStepIsTheLastThatPartlySlips) {
   solution.steps[1].status = {stick, stick};
   EXPECT_EQ(telling_step(solution), 3u);
   EXPECT_DOUBLE_EQ(sticking_share(solution.steps[0]), 1);
-  EXPECT_TRUE(std::isnan(sticking_share({})));
+  EXPECT_TRUE(std::isnan(sticking_share(fem::ContactStep{})));
 }
 
 TEST(GridField, IsBilinear) {

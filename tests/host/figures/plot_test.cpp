@@ -186,10 +186,8 @@ TEST(Plot, ALegendTakesTheRowsItNeeds) {
 }
 
 TEST(ContactFigure, TractionIsForceOverTheNodesShare) {
-  Eigen::VectorXd x(4), force(4);
-  x << 0, 1, 2, 4;
-  force << 1, 1, 3, 1;
-  EXPECT_EQ(traction(force, x), (std::vector{2.0, 1.0, 2.0, 1.0}));
+  const fem::ContactSolution on_mesh{.surface_x = Eigen::Vector4d(0, 1, 2, 4)};
+  EXPECT_EQ(traction_of(Eigen::Vector4d(1, 1, 3, 1), on_mesh), Eigen::VectorXd(Eigen::Vector4d(2, 1, 2, 1)));
 }
 
 }  // namespace tactel::host::plot_test

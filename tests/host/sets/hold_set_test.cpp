@@ -33,7 +33,7 @@ class HoldSet : public testing::Test {
  protected:
   PadSource source(const std::string& text) { return PadSource::read(folder_.write("sweep.toml", text)); }
   ContactSet simulate(const PadSource& of, Precision precision = Precision::fp32) {
-    return SetSimulator(executor_, of, {.precision = precision, .pad = pad_rung_named("pad-8")})
+    return SetSimulator(executor_, of, {.precision = precision, .pad = rung_named<PadRung>("pad-8")})
         .simulate(0, of.contacts());
   }
   void expect_rows_of_the_stepper(const std::string& creep, const std::string& rate, double dt);
@@ -246,7 +246,7 @@ TEST_P(HoldSetOfRanges, RowsOfAGripDependOnTheGripAlone) {
   const ContactSet whole = simulate(grips);
   EXPECT_EQ(whole.contacts, 40u);
   Executor one{Device("").for_one_contact()};
-  const SetSimulator other(one, grips, {.pad = pad_rung_named("pad-8")});
+  const SetSimulator other(one, grips, {.pad = rung_named<PadRung>("pad-8")});
   expect_ranges_make(whole, other, {{0, 7}, {7, 1}, {8, 20}, {28, 12}});
 }
 

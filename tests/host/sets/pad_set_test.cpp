@@ -57,7 +57,7 @@ class PadSet : public testing::Test {
   PadSource source(const std::string& text = sweep_text) { return PadSource::read(folder_.write("sweep.toml", text)); }
   ScratchFolder folder_;
   Executor executor_{device()};
-  SetOptions options_{.pad = pad_rung_named("pad-8")};
+  SetOptions options_{.pad = rung_named<PadRung>("pad-8")};
 };
 
 std::vector<float> row_of(const std::vector<float>& all, std::size_t row, std::size_t width) {

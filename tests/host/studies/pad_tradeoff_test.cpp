@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 MeasuredModel model(const char* rung, double speed, double S) {
-  return {.rung = pad_rung_named(rung),
+  return {.rung = rung_named<PadRung>(rung),
           .error = {.median = {.S = S / 4}, .most95 = {.S = S, .Q = 0.5}, .largest = {.S = 2 * S}},
           .steps_per_second = speed};
 }
@@ -60,7 +60,7 @@ TEST(PadTradeoff, Stops) {
 TEST(PadTradeoffNightly, ErrorsFallWithTheCells) {
   Executor executor{Device()};
   const Tradeoff tradeoff = measure_pad_tradeoff(executor, {.scenes = 9});
-  ASSERT_EQ(tradeoff.models.size(), pad_rungs().size());
+  ASSERT_EQ(tradeoff.models.size(), all_rungs<PadRung>().size());
   const MeasuredModel &coarse = tradeoff.models[0], &fine = tradeoff.models[3];
   for (const auto member : error_members) {
     EXPECT_LT(2 * (fine.error.median.*member), coarse.error.median.*member);

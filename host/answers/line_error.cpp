@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/answers/mesh_error.h"
+#include "host/answers/line_error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "fem/gap/gap_condensed.h"
 #include "fem/gap/gap_reference.h"
 #include "fem/gap/load_stepping.h"
+#include "fem/layer/end_mesh.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/mesh/condensation.h"
 #include "fem/numbers/cache_directory.h"
 #include "fem/numbers/value_error.h"
-#include "host/answers/rung_error.h"
+#include "host/answers/planner.h"
 #include "host/contact/lines/contact_fallback.h"
 
 namespace tactel::host {
@@ -25,9 +27,6 @@ constexpr int most_columns = 81, most_rows = 33;  ///< to condense a mesh of twi
 constexpr int most_elements = 48;                 ///< beside which an answer of half as many stands
 constexpr std::size_t most_steps = 100;
 
-/// Error over difference from half the element size: contact converges to first order at worst, and so the error
-/// halves.
-constexpr double first_order = 2;
 /// Two answers may agree by chance. Error of S over 1 / elements: with it twice the difference covers the error of 98 %
 /// of the contacts with mu 0.02 to 0.1 (docs/notebook/2026-11-23-accuracy.md).
 constexpr double chance = 0.04;
@@ -68,12 +67,6 @@ fem::ContactSolution exact_answer(const fem::Scene& fine, const std::filesystem:
   } catch (const ValueError&) {
   }
   return fem::solve_gap_reference(fine);
-}
-
-AnswerError scaled(const AnswerError& difference, double factor) {
-  AnswerError error = difference;
-  for (const auto member : error_members) error.*member *= factor;
-  return error;
 }
 
 ExpectedError error_beside(const fem::ContactSolution& answer, const fem::ContactSolution& judge, std::string finer) {
@@ -126,6 +119,20 @@ std::optional<ExpectedError> patch_error(const fem::Scene& scene, const fem::Con
   return error;
 }
 
+/// Largest difference and largest value of the second of each pair.
+struct Extent {
+  double difference = 0, scale = 0;
+  void add(double value, double judge) {
+    difference = std::max(difference, std::abs(value - judge));
+    scale = std::max(scale, std::abs(judge));
+  }
+  double relative() const { return difference == 0 ? 0 : scale == 0 ? 1 : difference / scale; }
+};
+
+void add_tactels(Extent& extent, const Eigen::VectorXd& value, const Eigen::VectorXd& judge) {
+  for (Eigen::Index i = 1; i + 1 < value.size(); ++i) extent.add(value[i], judge[i]);
+}
+
 }  // namespace
 
 FinerAnswer begin_finer(const fem::Scene& scene) {
@@ -155,14 +162,72 @@ std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution&
   return fmt::format("the {} for comparison could not be solved", patch ? "patch" : "mesh");
 }
 
-std::optional<ExpectedError> mesh_error(const RungChoice& plan) {
-  if (plan.trials.empty() || plan.trials.back().missed) return {};
-  const PlanTrial& last = plan.trials.back();
-  const bool coarser = last.rung == plan.rung.name;  // else the finest, which differs from the rung below
-  const AnswerError difference{.P = last.P, .Q = last.Q, .sigma = last.sigma, .tau = last.tau};
-  ExpectedError error{scaled(difference, coarser ? first_order : 1), "rung " + (coarser ? last.next : last.rung)};
-  error.expected.S = plan.estimate;
+AnswerError scaled(AnswerError error, double factor) {
+  for (const auto member : fem::pad_error_members) error.*member *= factor;
   return error;
+}
+
+AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
+                         const fem::ContactSolution& judge, const Rung& judge_rung) {
+  const auto places = asked_steps(on_rung(scene, rung).load, answer.steps.size());
+  const auto judge_places = asked_steps(on_rung(scene, judge_rung).load, judge.steps.size());
+  return answer_error(answer, places, judge, judge_places);
+}
+
+AnswerError answer_error(const fem::ContactSolution& answer, std::span<const std::size_t> steps,
+                         const fem::ContactSolution& judge, std::span<const std::size_t> judge_steps) {
+  Extent P, Q, sigma, tau;
+  AnswerError error;
+  for (std::size_t k = 0; k < std::min(steps.size(), judge_steps.size()); ++k) {
+    const fem::ContactStep &a = answer.steps[steps[k]], &b = judge.steps[judge_steps[k]];
+    if (a.slip_index && b.slip_index)
+      error.S = std::max(error.S, std::abs(*a.slip_index - *b.slip_index));
+    else if (a.slip_index || b.slip_index)
+      error.S = 1;
+    P.add(a.P, b.P);
+    Q.add(a.Q, b.Q);
+    add_tactels(sigma, a.sigma_y, b.sigma_y);
+    add_tactels(tau, a.tau_xy, b.tau_xy);
+  }
+  error.P = P.relative();
+  error.Q = Q.relative();
+  error.sigma = sigma.relative();
+  error.tau = tau.relative();
+  return error;
+}
+
+bool near_end(const fem::Sensor& sensor, const fem::ContactSolution& answer) {
+  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
+  if (width.size() == 0) return false;
+  return fem::near_end(sensor, {x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2});
+}
+
+double model_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  constexpr double sudden = 0.5, much_friction = 0.5;  // of S between two steps
+  if (answer.linear_elements && scene.friction > much_friction)
+    for (std::size_t k = 1; k < answer.steps.size(); ++k)
+      if (std::abs(answer.steps[k].slip_index.value_or(0) - answer.steps[k - 1].slip_index.value_or(0)) > sudden)
+        return 1;
+  return near_end(scene.sensor, answer) ? 0.01 + 0.05 * (0.5 - scene.sensor.poisson) : 0;
+}
+
+double covering_value(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const auto count = static_cast<double>(values.size());
+  return values[static_cast<std::size_t>(std::clamp(std::ceil(share * count) - 1, 0.0, count - 1))];
+}
+
+ErrorQuantiles quantiles(const std::vector<AnswerError>& errors) {
+  ErrorQuantiles result;
+  for (const auto member : error_members) {
+    std::vector<double> values;
+    for (const AnswerError& error : errors) values.push_back(error.*member);
+    result.median.*member = covering_value(values, 0.5);
+    result.most95.*member = covering_value(values, 0.95);
+    result.largest.*member = covering_value(values, 1);
+  }
+  return result;
 }
 
 }  // namespace tactel::host

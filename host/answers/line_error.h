@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <future>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,6 +50,28 @@ bool near_end(const fem::Sensor& sensor, const fem::ContactSolution& answer);
 /// between which.
 double model_error(const fem::Scene& scene, const fem::ContactSolution& answer);
 
+/// The answer of a scene's finer model. Begun before the scene is solved, it takes the time of another core.
+using FinerAnswer = std::future<fem::ContactSolution>;
+
+/// Begins to solve a scene on a mesh with half the element size, in a thread of its own. Returns a future without a
+/// state where mesh_error would not solve it, or where the load path depends on the scene's own answer.
+FinerAnswer begin_finer(const fem::Scene& scene);
+
+/// Error over difference from half the element size: contact converges to first order at worst, and so the error
+/// halves.
+inline constexpr double first_order = 2;
+AnswerError scaled(AnswerError error, double factor);
+
+/// Returns the error to expect of an answer: exact contact solves the scene again with half the element size, or the
+/// patch's twin with twice the elements, or the exact solver with half of more than 24. None where that would take
+/// seconds (more than 81 columns, 33 rows or 100 load steps), and where it fails.
+/// `finer`: of begin_finer; without a state it is made here.
+std::optional<ExpectedError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer,
+                                        FinerAnswer finer = {});
+
+/// Returns why mesh_error has no estimate of an answer: "it has more than 81 columns ..." or "24 elements ...".
+std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution& answer);
+
 /// Quantiles over many scenes: median, 95 %, largest.
 struct ErrorQuantiles {
   AnswerError median, most95, largest;
@@ -64,9 +88,5 @@ struct ErrorLine {
   double slope = 0;
   double at(double difference) const { return least + slope * difference; }
 };
-
-/// Returns the line of the share-quantile of errors over differences, [scenes] both: quantile regression (Koenker and
-/// Bassett, Econometrica 46, 1978), with slopes 0, 0.05 ... 4 and `least` >= 0.
-ErrorLine error_line(const std::vector<double>& differences, const std::vector<double>& errors, double share);
 
 }  // namespace tactel::host

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The error that a mesh's size leaves, as estimated, beside that from a mesh which is four or eight times as fine.
-#include "host/answers/mesh_error.h"
+#include "host/answers/line_error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include "host/scenes/scene_file.h"
 #include "test_paths.h"
 
-namespace tactel::host::mesh_error_test {
+namespace tactel::host::line_error_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -130,9 +130,10 @@ TEST(MeshError, IsNoneOfARoundingThatIsQ) {
 TEST(MeshError, OfAPlanIsThePlanners) {
   RungChoice plan{.accuracy = 0.02, .rung = rung_named("paper"), .estimate = 0.0125, .kept = true};
   EXPECT_FALSE(mesh_error(plan));
-  PlanTrial trial{.rung = "paper", .next = "medium", .difference = 0.006, .estimate = 0.0125};
-  trial.sigma = 0.05, trial.tau = 0.04, trial.P = 0.03, trial.Q = 0.02;
-  plan.trials = {trial};
+  plan.trials = {{.rung = "paper",
+                  .next = "medium",
+                  .difference = {.S = 0.006, .P = 0.03, .Q = 0.02, .sigma = 0.05, .tau = 0.04},
+                  .estimate = 0.0125}};
   const auto kept = mesh_error(plan);
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->from, "rung medium");
@@ -167,4 +168,4 @@ TEST(MeshError, StandsInTableAndJsonWhereItIsKnown) {
                                            HasSubstr("Q/mu P        elements ")));
 }
 
-}  // namespace tactel::host::mesh_error_test
+}  // namespace tactel::host::line_error_test
