@@ -2,6 +2,7 @@
 #include "host/device/launcher.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <mutex>
 #include <shared_mutex>
@@ -18,6 +19,12 @@ constexpr std::size_t gpu_local_size = 64;  ///< where the kernel's private memo
 /// Held alone by a compilation, and with others by the launches that must not go beside one:
 /// Launcher::compiles_sizes().
 std::shared_mutex launches;
+
+// Launches of another kernel than the one before, in all launchers: what was not launched for `kept_kernels` of them
+// PoCL may have forgotten, and what was made since as well. It keeps 128, of some programs two a kernel.
+constexpr std::uint64_t kept_kernels = 100;
+std::atomic<std::uint64_t> changes = kept_kernels;
+std::atomic<const void*> latest = nullptr;
 
 }  // namespace
 
@@ -61,7 +68,25 @@ void Launcher::compile(Launch::State& launch) {
   } else {
     device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
   }
+  changes += kept_kernels;
   launch.compiled = true;
+}
+
+void Launcher::remind(cl::CommandQueue& queue, Launch::State& launch, int thread) {
+  if (device_.info().type != DeviceType::cpu || launch.widest == 1) return;
+  if (latest.load(std::memory_order_relaxed) != &launch) {
+    latest.store(&launch, std::memory_order_relaxed);
+    ++changes;
+  }
+  const std::uint64_t now = changes.load(std::memory_order_relaxed);
+  const std::atomic_ref used(launch.used);
+  const std::uint64_t before = used.load(std::memory_order_acquire);
+  if (now == before) return;
+  if (now - before >= kept_kernels) {
+    enqueue(queue, launch.kernels[thread], std::size_t{NO_GROUPS}, launch.widest, launch.local);
+    queue.finish();
+  }
+  used.store(now, std::memory_order_release);
 }
 
 void Launcher::compile(Launch::State& launch, std::size_t global, std::size_t local) {
@@ -78,6 +103,7 @@ void Launcher::compile(Launch::State& launch, std::size_t global, std::size_t lo
 // goes in a launch of its own, as OpenCL 1.2 requires whole work-groups.
 void Launcher::launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first,
                          std::size_t count) {
+  remind(queue, launch, thread);
   for (const std::size_t end = first + count; first < end; first += count) {
     count = std::min(end - first, launch.widest);
     const std::size_t ragged = count % launch.local;

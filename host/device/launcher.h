@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -23,6 +24,7 @@ struct Launch::State {
   std::size_t widest = 1;                                            ///< groups in one launch; 1 without TAKE_GROUP
   std::size_t local = 1;                                             ///< groups in one work-group
   std::set<std::size_t> local_sizes{};                               ///< for which it is compiled
+  std::uint64_t used = 0;                                            ///< Launcher::remind, by atomic_ref
   std::vector<KernelParameter> parameters{};                         ///< of the kernel
   std::unique_ptr<std::mutex> use = std::make_unique<std::mutex>();  ///< held by a run: kernel objects have its groups
 
@@ -30,8 +32,8 @@ struct Launch::State {
 };
 
 // PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them brings a wider grid than any before
-// it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL also compiles grids of
-// 65536 and more anew, and forgets the oldest of more than 128 kernels.
+// it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL forgets the oldest of more
+// than 128 kernels: such a one is launched so again. It also compiles grids of 65536 and more anew.
 inline constexpr std::size_t widest_cpu_launch = 32768;
 
 /// Launches groups of a kernel on a device and waits for them, with a queue for each thread.
@@ -57,6 +59,8 @@ class Launcher {
   std::size_t local_size(const cl::Kernel& kernel) const;
   bool compiles_sizes() const;  ///< anew for each local size
   void compile(Launch::State& launch, std::size_t global, std::size_t local);
+  /// Launches at its widest, for nothing, what PoCL may have forgotten.
+  void remind(cl::CommandQueue& queue, Launch::State& launch, int thread);
   void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
   template <class Use>
   void on_spare_queue(const Use& use);

@@ -409,4 +409,28 @@ TEST(Executor, ThreadsFromTheEnvironment) {
   unsetenv("TACTEL_THREADS");
 }
 
+// PoCL keeps 128 kernels. One that it has forgotten, launched by several threads in grids that grow, ended the process.
+TEST(ExecutorKernels, AreMoreThanPoclKeeps) {
+  constexpr int kernels = 140, rounds = 5;
+  constexpr std::size_t groups = 20000;
+  std::string all = "#include \"shared/group.h\"\n";
+  for (int k = 0; k < kernels; ++k)
+    all += "kernel void add" + std::to_string(k) + "(uint first_group, global int *out) {\n  TAKE_GROUP(group);\n" +
+           "  out[group] += " + std::to_string(k) + ";\n}\n";
+  const Device device("basic");
+  Executor executor(device, {.threads = 4});
+  const Program program = Program::from_text(device, "many.cl", all, lanes_of(device, Precision::fp32));
+  Buffer<int> out(device, groups);
+  out.write(std::vector<int>(groups));
+  std::vector<Launch> launches;
+  for (int k = 0; k < kernels; ++k)
+    launches.push_back(executor.prepare(program, "add" + std::to_string(k),
+                                        [&](KernelArguments& arguments) { arguments.set(1, out); }));
+  for (int round = 0; round < rounds; ++round)
+    for (const Launch& launch : launches) executor.run(launch, groups);
+  std::vector<int> sums(groups);
+  out.read(sums);
+  EXPECT_THAT(sums, testing::Each(rounds * kernels * (kernels - 1) / 2));
+}
+
 }  // namespace tactel::host::executor_test
