@@ -279,8 +279,10 @@ TEST(CheckSetBytes, FindsEveryFlippedByte) {
   };
   std::mt19937 random(5);
   for (int flip = 0; flip < 600; ++flip) {
-    // Half of the flips in the first 16 KiB and between the chunks, where headers and indices stand.
-    const std::size_t at = flip % 2 ? random() % bytes.size() : random() % (16 << 10);
+    // A third of the flips in the first 16 KiB, a third in the last KiB, where headers and the index of the links
+    // stand.
+    const std::size_t ends[] = {0, bytes.size() - 1024}, size[] = {16 << 10, 1024};
+    const std::size_t at = flip % 3 == 2 ? random() % bytes.size() : ends[flip % 3] + random() % size[flip % 3];
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
     folder.write("damaged.h5", damaged);
