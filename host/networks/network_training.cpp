@@ -121,7 +121,7 @@ template <class Real>
 std::size_t NetworkTraining<Real>::work(bool of_all) const {
   std::size_t work = 0;
   for (const TrainedNetwork& n : networks_) {
-    const std::uint64_t all = plan_.rows.value_or(plan_.options.cycles(n.topology) * set_.rows());
+    const std::uint64_t all = plan_.rows ? *plan_.rows : plan_.options.cycles(n.topology) * set_.rows();
     work += n.topology.weight_count() * (of_all || !n.running() ? all : std::min(n.rows, all));
   }
   return work;
@@ -163,7 +163,7 @@ bool NetworkTraining<Real>::run_round(MadeAhead<Block>& blocks, const TrainingRu
   std::function<bool()> go_on;
   if (options.progress && stream_ == nullptr) go_on = [&] { return going = going && options.progress(done, all); };
   auto taken = start;
-  auto rows = static_cast<std::uint32_t>(set_.rows());
+  auto rows = static_cast<std::uint32_t>(stream_ != nullptr ? 0 : set_.rows());  // a stream's thread takes set_
   if (stream_ != nullptr) {
     const Block block = blocks.next();
     taken = Clock::now();
