@@ -157,8 +157,7 @@ Answer move(const py::object& self, const std::optional<Doubles>& pose, const st
     stepper.compute([&](PadStepper& steps) { steps.move(to, travel); });
   } else {
     put_gaps(self, gaps, cover);
-    const std::vector<double> by =
-        motion ? rows_of(*motion, count, 3, "motion") : std::vector<double>(3 * count);
+    const std::vector<double> by = motion ? rows_of(*motion, count, 3, "motion") : std::vector<double>(3 * count);
     stepper.compute([&](PadStepper& steps) { steps.move_by(by); });
   }
   return answer_of(self);
@@ -267,8 +266,7 @@ void bind_steps(py::module_& m) {
           "cell_x", [](Stepper& self) { return py::array_t<double>(py::cast(self.steps().cell_x())); },
           "[cells] mm on the pad, y fastest")
       .def_property_readonly(
-          "cell_y", [](Stepper& self) { return py::array_t<double>(py::cast(self.steps().cell_y())); },
-          "[cells] mm")
+          "cell_y", [](Stepper& self) { return py::array_t<double>(py::cast(self.steps().cell_y())); }, "[cells] mm")
       .def_property_readonly("device", [](Stepper& self) { return self.steps().device(); })
       .def_property_readonly(
           "dt", [](Stepper& self) { return self.steps().options().dt; }, "s, of each step")
