@@ -222,6 +222,7 @@ ErrorQuantiles quantiles(const std::vector<AnswerError>& errors) {
   ErrorQuantiles result;
   for (const auto member : error_members) {
     std::vector<double> values;
+    values.reserve(errors.size());
     for (const AnswerError& error : errors) values.push_back(error.*member);
     result.median.*member = covering_value(values, 0.5);
     result.most95.*member = covering_value(values, 0.95);

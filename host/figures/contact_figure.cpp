@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/figures/contact_view.h"
 
@@ -89,7 +90,8 @@ Eigen::VectorXd traction_of(const Eigen::VectorXd& force, const ContactSolution&
 }
 
 fem::Interval touched_part(const ContactSolution& solution, const ContactStep& step) {
-  fem::Interval part{INFINITY, -INFINITY};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  fem::Interval part{infinity, -infinity};
   for (std::size_t i = 0; i < step.status.size(); ++i) {
     if (step.status[i] == GapStatus::open) continue;
     part.left = std::min(part.left, solution.surface_x[static_cast<Eigen::Index>(i)]);
