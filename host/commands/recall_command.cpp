@@ -81,8 +81,8 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, c
     return !interrupt.requested();
   };
   const bool keep_rows = !request.rows.empty() || !request.html.empty() || request.decides();
-  const Precision precision = request.shared.precision == "fp64" ? Precision::fp64 : Precision::fp32;
-  return recall_networks(executor, precision, networks, set, keep_rows, progress, request.spread);
+  return recall_networks(executor, precision_named(request.shared.precision), networks, set, keep_rows, progress,
+                         request.spread);
 }
 
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,

@@ -68,7 +68,7 @@ void Launcher::compile(Launch::State& launch) {
   } else {
     device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
   }
-  changes += kept_kernels;
+  launch.used = changes += kept_kernels;
   launch.compiled = true;
 }
 

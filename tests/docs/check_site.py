@@ -53,12 +53,15 @@ def check_search(browser, site, expect):
         found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
     expect(any("bounds.html" in link for link in found), f"the search for a word of bounds.md finds {found}")
     browser.run("document.querySelectorAll('.md-search-result details').forEach(more => more.open = true)")
-    for where in ("search, light", "search, dark"):
-        if where == "search, dark":
-            switch_to_dark(browser, "search", expect)
+
+    def check_locked(where):
         while browser.run("document.documentElement.scrollWidth") > 390 and time.monotonic() < deadline:  # the page is locked late
             time.sleep(0.1)
         check_phone(browser, where, expect)
+
+    check_locked("search, light")
+    switch_to_dark(browser, "search", expect)
+    check_locked("search, dark")
 
 
 # Each page opened from a file has its search index made, which takes longer than all that is looked at here.

@@ -400,18 +400,26 @@ TEST_F(BadFiles, NetworksThatAreNone) {
   expect_refusal({"recall", folder_.write("text.onnx", "[sensor]\n"), recall}, {"text.onnx"});
 }
 
-// A network of another column is one of S on a set that holds that column in the place of S, to the bit.
-TEST(TrainTarget, IsThatColumnOfTheSet) {
-  const ScratchFolder folder;
-  const std::string sweep = folder.write("sweep.toml", R"([sweep]
-contacts = 40
+/// A set of balls on a pad of 2 x 2 tactels: lines of [sweep], and all behind the shape of [indenter].
+std::string ball_set(const ScratchFolder& folder, const std::string& name, const std::string& sweep,
+                     const std::string& rest) {
+  const std::string file = folder.write(name + ".toml", "[sweep]\n" + sweep + R"(
 [sensor]
 kind = "pad"
 tactels = [2, 2]
 thickness = 2
 [indenter]
 shape = "sphere"
-radius = { uniform = [4, 9] }
+)" + rest);
+  const ChildResult result = run_tactel({"generate", file, "--rung", "pad-8", "--output", folder / name, "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return folder / name;
+}
+
+// A network of another column is one of S on a set that holds that column in the place of S, to the bit.
+TEST(TrainTarget, IsThatColumnOfTheSet) {
+  const ScratchFolder folder;
+  const std::string set = ball_set(folder, "set.h5", "contacts = 40", R"(radius = { uniform = [4, 9] }
 [load]
 indentation = { uniform = [0.05, 0.2] }
 [load.irregular]
@@ -419,8 +427,7 @@ stroke_steps = 5
 direction = { uniform = [0, 360] }
 twist = { uniform = [0, 20] }
 )");
-  const std::string set = folder / "set.h5", swapped = folder / "swapped.h5";
-  ASSERT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", set, "--quiet"}).exit_code, 0);
+  const std::string swapped = folder / "swapped.h5";
   struct Case {
     const char* target;
     std::vector<float> ContactSet::*column;
@@ -460,18 +467,9 @@ twist = { uniform = [0, 20] }
   EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "theirs", set}), {"networks of one target"}));
 }
 
-/// 60 contacts of balls with a skin of 2 x 2 tactels and 6 markers.
+/// 60 contacts of balls with 6 markers in the skin.
 std::string marked_set(const ScratchFolder& folder, const std::string& name, int seed, const std::string& more = "") {
-  const std::string sweep =
-      folder.write("marked.toml", "[sweep]\ncontacts = 60\nseed = " + std::to_string(seed) + more +
-                                      R"(
-[sensor]
-kind = "pad"
-tactels = [2, 2]
-thickness = 2
-[indenter]
-shape = "sphere"
-radius = { uniform = [4, 9] }
+  return ball_set(folder, name, "contacts = 60\nseed = " + std::to_string(seed) + more, R"(radius = { uniform = [4, 9] }
 [contact]
 friction = 0.6
 [load]
@@ -482,9 +480,6 @@ counts = [3, 2]
 pitch = 1.5
 depth = 0.3
 )");
-  const ChildResult result = run_tactel({"generate", sweep, "--rung", "pad-8", "--output", folder / name, "--quiet"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return folder / name;
 }
 
 const std::vector<std::string> of_markers{"--inputs", "markers", "--network", "12-8-1", "--quiet"};
@@ -639,16 +634,7 @@ TEST(TrainMarkers, AreReadWhereTheyAreTaken) {
 /// Sets of grips had the cells' slips as /slid: such a set is no judge of either slide.
 TEST(TrainCommand, KeepsTheTwoSlidesApart) {
   const ScratchFolder folder;
-  const std::string sweep = folder.write("grips.toml", R"([sweep]
-contacts = 4
-seed = 3
-[sensor]
-kind = "pad"
-tactels = [2, 2]
-thickness = 2
-[indenter]
-shape = "sphere"
-radius = { uniform = [4, 9] }
+  const std::string set = ball_set(folder, "set.h5", "contacts = 4\nseed = 3", R"(radius = { uniform = [4, 9] }
 [contact]
 friction = 0.5
 [load]
@@ -656,8 +642,7 @@ normal_force = { uniform = [0.5, 2] }
 [load.hold]
 frames = 30
 )");
-  const std::string set = folder / "set.h5", former = folder / "former.h5";
-  ASSERT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", set, "--quiet"}).exit_code, 0);
+  const std::string former = folder / "former.h5";
   ContactSet without = read_contact_set(set);
   EXPECT_NE(without.slid, without.slip_path);
   without.left_out.insert("slip_path");
@@ -681,16 +666,7 @@ frames = 30
 TEST(TrainCommand, TeachesHowFarGripsGotAndWhatIsToCome) {
   const ScratchFolder folder;
   const auto generate = [&](const char* name, const char* rate) {
-    const std::string sweep = folder.write("grips.toml", std::string(R"([sweep]
-contacts = 3
-seed = 3
-[sensor]
-kind = "pad"
-tactels = [2, 2]
-thickness = 2
-[indenter]
-shape = "sphere"
-radius = 6
+    return ball_set(folder, name, "contacts = 3\nseed = 3", std::string(R"(radius = 6
 [contact]
 friction = 0.4
 [load]
@@ -703,8 +679,6 @@ move_frames = 20
 rest = 5
 frames = 40
 )") + rate);
-    EXPECT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", folder / name, "--quiet"}).exit_code, 0);
-    return folder / name;
   };
   const std::string file = generate("set.h5", "rate = 60\n"), without = generate("without.h5", "");
   const ContactSet set = read_contact_set(file);
