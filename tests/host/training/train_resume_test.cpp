@@ -61,17 +61,18 @@ class Running {
 
 struct ResumeCase {
   const char* name;
-  std::vector<std::string> options;  ///< a training of some seconds
+  std::vector<std::string> options;  ///< a training much longer than the three turns of the test, on any processor
 };
 void PrintTo(const ResumeCase& c, std::ostream* out) { *out << c.name; }
 
 class TrainResume : public ::testing::TestWithParam<ResumeCase> {
  protected:
-  std::vector<std::string> command(const std::string& directory, bool resume) const {
+  /// `seconds`: between two checkpoints, each of which waits for the disk.
+  std::vector<std::string> command(const std::string& directory, bool resume, const char* seconds) const {
     std::vector<std::string> all = {"train", PaperSetFiles::learning(), "--output", folder_ / directory};
     for (const std::string& option : GetParam().options)
       all.push_back(option == "RECALL" ? PaperSetFiles::recall() : option);
-    for (const char* option : {"--stop-error", "0", "--checkpoint-seconds", "0"}) all.push_back(option);
+    for (const char* option : {"--stop-error", "0", "--checkpoint-seconds", seconds}) all.push_back(option);
     if (resume) all.push_back("--resume");
     return all;
   }
@@ -92,7 +93,7 @@ class TrainResume : public ::testing::TestWithParam<ResumeCase> {
 TEST_P(TrainResume, ToTheSameBitsAfterCtrlCAndKills) {
   const std::string messages = folder_ / "messages";
   const fs::path stopped = folder_ / "stopped";
-  Running first(command("stopped", false), messages);
+  Running first(command("stopped", false, "0"), messages);
   ASSERT_TRUE(wait_for_progress(first, stopped / "checkpoint", 0ms));
   first.send(SIGINT);
   EXPECT_EQ(first.wait(), 130);
@@ -100,16 +101,16 @@ TEST_P(TrainResume, ToTheSameBitsAfterCtrlCAndKills) {
   EXPECT_TRUE(networks_in(stopped).empty());
   int kills = 0;
   for (int turn = 0; turn < 3; ++turn) {
-    Running program(command("stopped", true), messages);
-    const std::chrono::milliseconds more(std::uniform_int_distribution(0, 150)(random_));
+    Running program(command("stopped", true, "0"), messages);
+    const std::chrono::milliseconds more(std::uniform_int_distribution(0, 50)(random_));
     if (wait_for_progress(program, stopped / "checkpoint", more)) {
       program.send(SIGKILL);
       kills += program.wait() == 128 + SIGKILL;
     }
   }
   EXPECT_GE(kills, 1);
-  EXPECT_EQ(run_tactel(command("stopped", true)).exit_code, 0);
-  EXPECT_EQ(run_tactel(command("whole", false)).exit_code, 0);
+  EXPECT_EQ(run_tactel(command("stopped", true, "10")).exit_code, 0);
+  EXPECT_EQ(run_tactel(command("whole", false, "10")).exit_code, 0);
   EXPECT_EQ(networks_in(stopped), networks_in(folder_ / "whole"));
   for (const auto& entry : fs::directory_iterator(stopped))
     EXPECT_THAT(entry.path().filename().string(), ::testing::Not(HasSubstr("checkpoint")));
@@ -118,16 +119,16 @@ TEST_P(TrainResume, ToTheSameBitsAfterCtrlCAndKills) {
 INSTANTIATE_TEST_SUITE_P(
     Schedules, TrainResume,
     ::testing::Values(
-        ResumeCase{"Online", {"--network", "6", "--network", "1", "--seeds", "2", "--noise", "0.1", "--cycles", "300"}},
+        ResumeCase{"Online", {"--network", "6", "--network", "1", "--seeds", "2", "--noise", "0.1", "--cycles", "2400"}},
         ResumeCase{"SmallBatches",
                    {"--network", "6", "--network", "1", "--noise", "0", "--noise", "0.1", "--schedule", "batch",
-                    "--epochs", "800"}},
+                    "--epochs", "6000"}},
         ResumeCase{
             "LargeBatches",
-            {"--network", "6", "--schedule", "batch", "--batch", "200", "--optimizer", "delta", "--epochs", "1000"}},
+            {"--network", "6", "--schedule", "batch", "--batch", "200", "--optimizer", "delta", "--epochs", "12000"}},
         ResumeCase{"Cosine",
                    {"--network", "6", "--schedule", "cosine", "--batch", "32", "--loss", "absolute", "--average",
-                    "0.99", "--validation", "RECALL", "--patience", "400", "--epochs", "500"}}),
+                    "0.99", "--validation", "RECALL", "--patience", "4500", "--epochs", "5000"}}),
     [](const auto& info) { return info.param.name; });
 
 }  // namespace train_resume_test
