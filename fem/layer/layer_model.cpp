@@ -43,7 +43,7 @@ void check(const Sensor& sensor) {
 LayerModel endless_layer(const Sensor& sensor) {
   check(sensor);
   const LayerTable table(rubber(sensor));
-  return {sensor, table, FreeSides(), BaseStressTable(sensor, table)};
+  return {FreeSides(), table, BaseStressTable(sensor, table), sensor};
 }
 
 namespace {
@@ -79,9 +79,9 @@ std::optional<LayerModel> read_model(const Sensor& sensor, const CacheFile& file
       FreeSides::Modes(FreeSides::rank),
       BaseStressTable::Rows(BaseStressTable::places(sensor), BaseStressTable::quantities * sensor.tactels)};
   if (!read_arrays(file, numbers.arrays())) return std::nullopt;
-  return LayerModel{sensor, LayerTable(sensor.poisson, std::move(numbers.table), top),
-                    FreeSides(sensor.length, std::move(numbers.sides), std::move(numbers.sign)),
-                    BaseStressTable(sensor, std::move(numbers.base))};
+  return LayerModel{FreeSides(sensor.length, std::move(numbers.sides), std::move(numbers.sign)),
+                    LayerTable(sensor.poisson, std::move(numbers.table), top),
+                    BaseStressTable(sensor, std::move(numbers.base)), sensor};
 }
 
 void write_model(const LayerModel& model, const CacheFile& file) {

@@ -14,10 +14,10 @@ namespace tactel::fem {
 /// All that contact on patches wants to know of a sensor, free of E: tables of the endless layer, of the free sides
 /// and of the base stress. Mesh and stress recovery of the sensor do not matter.
 struct LayerModel {
-  Sensor sensor;
-  LayerTable table;
   FreeSides sides;
+  LayerTable table;
   BaseStressTable base;
+  Sensor sensor;
 };
 
 /// Throws std::invalid_argument unless this sensor has the model's length, thickness, poisson and tactels.

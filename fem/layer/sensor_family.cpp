@@ -308,8 +308,8 @@ LayerModel SensorFamily::model(const Sensor& sensor) const {
   require(points);
   std::shared_ptr<const BothEnds> ends;
   if (sides()) ends = std::make_shared<const BothEnds>(*this, sensor);
-  return {sensor, layer_between(*this, sensor.poisson), ends ? FreeSides(ends) : FreeSides(),
-          stress_of(*this, sensor, ends)};
+  return {ends ? FreeSides(ends) : FreeSides(), layer_between(*this, sensor.poisson), stress_of(*this, sensor, ends),
+          sensor};
 }
 
 }  // namespace tactel::fem

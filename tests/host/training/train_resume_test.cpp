@@ -116,19 +116,20 @@ TEST_P(TrainResume, ToTheSameBitsAfterCtrlCAndKills) {
     EXPECT_THAT(entry.path().filename().string(), ::testing::Not(HasSubstr("checkpoint")));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Schedules, TrainResume,
-    ::testing::Values(
-        ResumeCase{"Online", {"--network", "6", "--network", "1", "--seeds", "2", "--noise", "0.1", "--cycles", "2400"}},
-        ResumeCase{"SmallBatches",
-                   {"--network", "6", "--network", "1", "--noise", "0", "--noise", "0.1", "--schedule", "batch",
-                    "--epochs", "6000"}},
-        ResumeCase{
-            "LargeBatches",
-            {"--network", "6", "--schedule", "batch", "--batch", "200", "--optimizer", "delta", "--epochs", "12000"}},
-        ResumeCase{"Cosine",
-                   {"--network", "6", "--schedule", "cosine", "--batch", "32", "--loss", "absolute", "--average",
-                    "0.99", "--validation", "RECALL", "--patience", "4500", "--epochs", "5000"}}),
-    [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Schedules, TrainResume,
+                         ::testing::Values(ResumeCase{"Online",
+                                                      {"--network", "6", "--network", "1", "--seeds", "2", "--noise",
+                                                       "0.1", "--cycles", "2400"}},
+                                           ResumeCase{"SmallBatches",
+                                                      {"--network", "6", "--network", "1", "--noise", "0", "--noise",
+                                                       "0.1", "--schedule", "batch", "--epochs", "6000"}},
+                                           ResumeCase{"LargeBatches",
+                                                      {"--network", "6", "--schedule", "batch", "--batch", "200",
+                                                       "--optimizer", "delta", "--epochs", "12000"}},
+                                           ResumeCase{"Cosine",
+                                                      {"--network", "6", "--schedule", "cosine", "--batch", "32",
+                                                       "--loss", "absolute", "--average", "0.99", "--validation",
+                                                       "RECALL", "--patience", "4500", "--epochs", "5000"}}),
+                         [](const auto& info) { return info.param.name; });
 
 }  // namespace train_resume_test
