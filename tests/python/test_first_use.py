@@ -102,7 +102,9 @@ class Interrupt(unittest.TestCase):
                 print("heard", flush=True)
             assert {then}
         """)
-        child = subprocess.Popen([sys.executable, "-c", code], cwd=EXAMPLES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # A shell's background job, as a night's run may be, leaves SIGINT ignored to its children.
+        child = subprocess.Popen([sys.executable, "-c", code], cwd=EXAMPLES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         self.assertEqual(child.stdout.readline(), "begins\n", child.stderr.read() if child.poll() is not None else "")
         time.sleep(0.7)
         asked = time.monotonic()

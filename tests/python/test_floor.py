@@ -232,7 +232,10 @@ class Simulated(unittest.TestCase):
             mean, spread = (math.fsum(one[name]**power for one in ones) for name, power in (("mean", 1), ("standard_error", 2)))
             self.assertAlmostEqual(mean / seeds, exact, delta=2 * math.hypot(error, math.sqrt(spread) / seeds), msg=key)
         self.assertTrue(all(one["ranks_p"] > 0.05 / seeds for one in found), [one["ranks_p"] for one in found])
-        self.assertTrue(all(one["converged"] for one in found))
+        # One seed in twenty is not within two deviations of its own, by chance; all together are.
+        differences = [one["difference"] for one in found]
+        spread = math.sqrt(math.fsum(one["standard_error"] ** 2 for one in differences))
+        self.assertLess(abs(math.fsum(one["mean"] for one in differences)), 2 * spread)
 
 
 class Command(unittest.TestCase):
