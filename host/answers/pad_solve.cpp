@@ -34,10 +34,10 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
   outcome.solver = "batched";
-  outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
   outcome.device = device.name;
   PadModel model = model_of(outcome.rung);
-  if (outcome.precision == "fp64") model.precision = Precision::fp64;
+  model.precision = precision_named(options.precision, device.fp64 ? Precision::fp64 : Precision::fp32);
+  outcome.precision = name(model.precision);
   if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
   outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
 }

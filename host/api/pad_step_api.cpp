@@ -32,10 +32,9 @@ struct PadStepper::State {
         count(count),
         rubber(fem::rubber_of(pad)),
         free_sides(fem::has_free_sides(pad)) {
-    if (options.precision == "fp64")
-      steps.emplace<host::PadStepper<double>>(executor, pad, count, friction, options);
-    else
-      steps.emplace<host::PadStepper<float>>(executor, pad, count, friction, options);
+    host::in_precision(host::precision_named(options.precision), [&]<class Real>() {
+      steps.emplace<host::PadStepper<Real>>(executor, pad, count, friction, options);
+    });
     with([&](auto& of) { cells = of.cells(), tactels = of.tactels(); });
     places.resize(3 * count);
   }

@@ -141,8 +141,8 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
     const nn::FrameSet frames = shown(set, options.name, plan);
     if (options.validation != nullptr)
       plan.validation = std::make_shared<nn::FrameSet>(shown(*options.validation, "validation", plan));
-    return options.precision == "fp64" ? trained<double>(frames, plan, options, progress)
-                                       : trained<float>(frames, plan, options, progress);
+    return host::in_precision(host::precision_named(options.precision),
+                              [&]<class Real>() { return trained<Real>(frames, plan, options, progress); });
   });
   std::vector<Network> networks;
   networks.reserve(models.size());

@@ -158,8 +158,7 @@ int solve_scene(const SolveRequest& request, const auto& asked) {
     warn(request,
          of_line ? "some steps missed their tolerance: see the column `met`" : "some steps missed their tolerance");
   if (!outcome.kept()) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
-  if constexpr (of_line)
-    if (never_slid(scene, solution)) return not_converged;
+  if (of_line && never_slid(scene, solution)) return not_converged;
   return converged && outcome.kept() ? done : not_converged;
 }
 

@@ -39,7 +39,7 @@ std::string patch_text(const Rung& rung) {
 /// Other names of rungs.
 template <class AnyRung>
 std::vector<std::pair<std::string, std::string>> other_names() {
-  if constexpr (std::is_same_v<AnyRung, PadRung>) return {};
+  if (std::is_same_v<AnyRung, PadRung>) return {};
   return {{"draft", "patch-8"}, {"medium", "patch-12"}, {"fine", "patch-16"}, {"finest", "patch-24"}};
 }
 

@@ -45,6 +45,10 @@ bool is_random_profile(const string& name, const toml::table& table) {
   return of_lines<Scene> && name == "indenter" && table.contains("points");
 }
 
+/// Pads have no models of their surface.
+fem::SurfaceModel model_of(const fem::Scene& scene) { return scene.model; }
+fem::SurfaceModel model_of(const fem::PadScene&) { return {}; }
+
 /// Layers of a sensor are not drawn.
 bool has_plain_tables(const string& name, std::string_view key) { return name == "sensor" && key == "layers"; }
 
@@ -252,15 +256,14 @@ void SweepReaderOf<Scene>::take_random_profile(const toml::table& table, Alterna
   into.profile = profile;
 }
 
-template <class Scene>
-void SweepReaderOf<Scene>::take_slip_index(const toml::table& load, Alternative& into) {
+template <>
+void SweepReaderOf<fem::Scene>::take_slip_index(const toml::table& load, Alternative& into) {
   const toml::node* node = load.get("slip_index");
   into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
   const auto [low, high] = ends(into.slip_index->distribution);
   if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
-  if constexpr (of_lines<Scene>)
-    if (into.scene.load.normal_force.empty() || into.scene.load.angle)
-      throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
+  if (into.scene.load.normal_force.empty() || into.scene.load.angle)
+    throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
 }
 
 /// Every distribution at its largest number, the others at their smallest: the model must accept it.
@@ -283,29 +286,6 @@ void SweepReaderOf<Scene>::check_ends(const Alternative& alternative, const std:
 }
 
 template <class Scene>
-typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(const string& name, std::size_t chosen,
-                                                                             const toml::table& table) {
-  Alternative made;
-  const TomlFile file = concrete(name, chosen);
-  made.scene = read_scene(file);
-  const auto found = distributions(name, table);
-  for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
-  check_ends(made, found);
-  if constexpr (of_lines<Scene>) {
-    if (is_random_profile<Scene>(name, table)) take_random_profile(table, made);
-    if (name == "load" && table.contains("slip_index")) take_slip_index(table, made);
-  }
-  if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
-    take_irregular(table, *node, made);
-  if constexpr (!of_lines<Scene>) {
-    if (const toml::node* node = table.get("hold"); name == "load" && node != nullptr) take_hold(table, *node, made);
-    if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
-      made.unevenness = read_unevenness(file_, *node);
-  }
-  return made;
-}
-
-template <class Scene>
 const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, const toml::node& node,
                                                        const string& name) const {
   for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
@@ -316,8 +296,8 @@ const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, 
   throw file_.error(name, &node, "a table: [" + name + "]");
 }
 
-template <class Scene>
-void SweepReaderOf<Scene>::take_hold(const toml::table& load, const toml::node& node, Alternative& into) const {
+template <>
+void SweepReaderOf<fem::PadScene>::take_hold(const toml::table& load, const toml::node& node, Alternative& into) const {
   const toml::table& table = table_of_path(load, node, "load.hold");
   if (const toml::node* other = load.get("irregular"))
     throw file_.error("load.irregular", other, "left out, because load.hold is given too");
@@ -326,35 +306,60 @@ void SweepReaderOf<Scene>::take_hold(const toml::table& load, const toml::node& 
   into.hold = read_hold_load(file_, table);
 }
 
-/// Grips in all loads or in none, on sensors that they share, and uneven faces with them alone.
+template <>
+void SweepReaderOf<fem::Scene>::take_own_keys(const string& name, const toml::table& table, Alternative& into) {
+  if (is_random_profile<fem::Scene>(name, table)) take_random_profile(table, into);
+  if (name == "load" && table.contains("slip_index")) take_slip_index(table, into);
+}
+template <>
+void SweepReaderOf<fem::PadScene>::take_own_keys(const string& name, const toml::table& table, Alternative& into) {
+  if (const toml::node* node = table.get("hold"); name == "load" && node != nullptr) take_hold(table, *node, into);
+  if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
+    into.unevenness = read_unevenness(file_, *node);
+}
+
 template <class Scene>
-void SweepReaderOf<Scene>::check_holds(const Source& source) const {
+typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(const string& name, std::size_t chosen,
+                                                                             const toml::table& table) {
+  Alternative made;
+  const TomlFile file = concrete(name, chosen);
+  made.scene = read_scene(file);
+  const auto found = distributions(name, table);
+  for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
+  check_ends(made, found);
+  if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
+    take_irregular(table, *node, made);
+  take_own_keys(name, table, made);
+  return made;
+}
+
+/// Grips in all loads or in none, on sensors that they share, and uneven faces with them alone.
+template <>
+void SweepReaderOf<fem::PadScene>::check_holds(const PadSource& source) const {
   const auto of_hold = [](const Alternative& load) { return load.hold.has_value(); };
   const bool any = std::ranges::any_of(source.load_.alternatives, of_hold);
   if (any && !std::ranges::all_of(source.load_.alternatives, of_hold))
     throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
-  if constexpr (!of_lines<Scene>)
-    if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
-      const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
-      const double first = rate(source.load_.alternatives.front());
-      if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
-        throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
-    }
+  if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
+    const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
+    const double first = rate(source.load_.alternatives.front());
+    if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
+      throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
+  }
   const auto all = tables("indenter");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)
       throw file_.error("indenter.unevenness", all[i]->get("unevenness"), "left out, or given with [load.hold]");
-    if constexpr (!of_lines<Scene>)
-      if (any && source.indenter_.alternatives[i].scene.indenter.young)
-        throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
+    if (any && source.indenter_.alternatives[i].scene.indenter.young)
+      throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
   }
 }
 
 /// What sets ask of markers; the file of their places.
-template <class Scene>
-void SweepReaderOf<Scene>::take_markers(Source& source) const {
+template <>
+void SweepReaderOf<fem::PadScene>::take_markers(PadSource& source) const {
   constexpr double least_depth = 0.02;  // H: where the kernel's sums are still as good as cells
   const auto markers = source.markers();
   if (!markers) return;
@@ -364,6 +369,15 @@ void SweepReaderOf<Scene>::take_markers(Source& source) const {
       throw file_.error("markers.depth", table["depth"].node(), "a fiftieth of sensor.thickness or more in sweeps");
   if (const auto name = table["places"].value<string>())
     source.files_.push_back(*file_sum(*name, {{markers->places.front().data(), 2 * markers->places.size()}}));
+}
+
+/// What sweeps of pads alone ask.
+template <>
+void SweepReaderOf<fem::Scene>::check_whole(SceneSource&) const {}
+template <>
+void SweepReaderOf<fem::PadScene>::check_whole(PadSource& source) const {
+  check_holds(source);
+  take_markers(source);
 }
 
 template <class Scene>
@@ -483,11 +497,8 @@ void SweepReaderOf<Scene>::read_sensors(Source& source, int count) {
   if (count == 0) count = usual_sensors;
   for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
     const Alternative& from = part.alternatives[i];
-    if constexpr (of_lines<Scene>) {
-      if (from.scene.model != part.alternatives[0].scene.model)
-        throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
-      source.model_ = from.scene.model;
-    }
+    if (source.model_ = model_of(from.scene); source.model_ != model_of(part.alternatives[0].scene))
+      throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
     const int copies = from.draws.empty() ? 1 : count;
     for (int copy = 0; copy < copies; ++copy) {
       Scene scene = from.scene;
@@ -530,8 +541,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");
   source.load_ = part("load");
-  check_holds(source);
-  if constexpr (!of_lines<Scene>) take_markers(source);
+  check_whole(source);
   source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;
