@@ -45,7 +45,8 @@ std::string header(const auto& outcome, const std::string& rubber, const std::st
   const std::string layers = s.layers.empty() ? "" : fmt::format("{} layers, at the surface ", s.layers.size());
   return fmt::format("{}{}{} on {} mm of rubber, {}E = {:g} MPa, nu = {:g}, mu = {}\n{}, solver {}, {}\n{}\n\n",
                      scene.title, scene.title.empty() ? "" : "\n", fem::shape_name(scene.indenter.shape), rubber,
-                     layers, s.young, s.poisson, friction_of(scene), model, outcome.solver, outcome.precision, outcome.device);
+                     layers, s.young, s.poisson, friction_of(scene), model, outcome.solver, outcome.precision,
+                     outcome.device);
 }
 
 // ---- of a line

@@ -27,11 +27,7 @@ struct PadStepper::State {
   }
 
   State(const Pad& given, std::size_t count, std::span<const double> friction, const StepOptions& options)
-      : executor(host::Device(options.device)),
-        pad(with_layers(given)),
-        count(count),
-        rubber(fem::rubber_of(pad)),
-        free_sides(fem::has_free_sides(pad)) {
+      : executor(host::Device(options.device)), pad(with_layers(given)), count(count), rubber(fem::rubber_of(pad)) {
     host::in_precision(host::precision_named(options.precision), [&]<class Real>() {
       steps.emplace<host::PadStepper<Real>>(executor, pad, count, friction, options);
     });
@@ -50,7 +46,6 @@ struct PadStepper::State {
   std::size_t count, tactels = 0;
   fem::PadCells cells;
   fem::PadBox rubber;
-  bool free_sides;
   std::variant<std::monostate, host::PadStepper<float>, host::PadStepper<double>> steps;
   std::vector<fem::PadIndenter> indenters;  ///< one, or [count]; empty: gaps
   std::vector<double> places;               ///< [count][3]
@@ -72,7 +67,7 @@ void PadStepper::State::put_shapes(std::span<const double> pose) {
       if (known && std::equal(&now[3 * c], &now[3 * c] + 3, &put[3 * c])) continue;
       const fem::PadIndenter& indenter = indenters[indenters.size() == 1 ? 0 : c];
       const std::array place{now[3 * c], now[3 * c + 1]};
-      fem::PadSurface surface = fem::pad_surface(cells, indenter, place, now[3 * c + 2], free_sides);
+      fem::PadSurface surface = fem::pad_surface(cells, indenter, place, now[3 * c + 2], of.of_means());
       fem::add_skin(pad, cells, surface.height);
       const double beyond = fem::height_beyond(cells, indenter, place, now[3 * c + 2], rubber);
       of.set_surface(c, surface, beyond + fem::fall_of_skin(pad, std::min(cells.x(cells.n), cells.y(cells.ny())), 0));

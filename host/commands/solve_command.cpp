@@ -116,7 +116,7 @@ std::string first_tables(const fem::PadSensor& sensor) {
 /// Errors that the answer alone shows get the line of the scene's file.
 PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) try {
   if (!request.field.empty()) check_writable("--field", request.field);
-  if (request.field.ends_with(".vts") && fem::has_free_sides(scene.sensor))
+  if (request.field.ends_with(".vts") && !fem::side_rules(scene.sensor).knows_inside)
     throw ConfigError("command line", "--field", request.field,
                       "a .vtu, of cells: the field in the rubber is that of a pad with held sides");
   if (request.field.ends_with(".vts") && !scene.sensor.layers.empty())

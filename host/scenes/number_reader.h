@@ -123,7 +123,8 @@ std::vector<std::string> keys_of_shape(bool tilts) {
 template <class Shape>
 const std::vector<ShapeName<Shape>>& shapes_of() {
   static const auto all = []<class... S>(const std::variant<S...>&) {
-    return std::vector<ShapeName<Shape>>{{fem::shape_name(Shape(S{})), keys_of_shape<S>(fem::tilts(Shape(S{}))), S{}}...};
+    return std::vector<ShapeName<Shape>>{
+        {fem::shape_name(Shape(S{})), keys_of_shape<S>(fem::tilts(Shape(S{}))), S{}}...};
   }(Shape{});
   return all;
 }
