@@ -22,7 +22,7 @@ void columns_of(const auto& number, const std::array<double, 2>& value, const au
   use(number.each, "_x", number.unit, value[0]), use(number.each, "_y", number.unit, value[1]);
 }
 template <class Value>
-void columns_of(const auto&, const std::vector<Value>&, const auto&) {}
+void columns_of(const auto&, const Value&, const auto&) {}
 
 /// Calls use(key, axis, unit, value) for the columns of a struct: what sweeps draw.
 template <class T, class Use>

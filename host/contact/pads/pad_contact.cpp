@@ -71,9 +71,8 @@ struct PadContact<Real>::State {
                       {"VECTORS", std::to_string(std::max(vectors, 1))},
                       {"OWN_TABLES", std::to_string(vectors == own_tables)}};
       if (mapped) defines.emplace_back("FRICTION_MAP", "1");
-      if (free) defines.emplace_back("FREE_SIDES", "1");
       if (free) defines.emplace_back("WIDE", std::to_string(device().lanes(precision)));
-      return Program(device(), "pad_contact.cl", defines);
+      return Program(device(), free ? "pad_free_contact.cl" : "pad_contact.cl", defines);
     });
   }
 
