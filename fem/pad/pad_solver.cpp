@@ -287,6 +287,7 @@ PadSolution PadWalk::walk() {
 
 Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
   Eigen::MatrixXd heights = cell_heights(cells, scene.indenter);
+  if (std::isinf(rubber_of(scene.sensor).x.right)) return heights;  // everywhere
   for (int i = -1; i <= cells.n; ++i)
     for (int j = -1; j <= cells.n; ++j)
       if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), cells.x(i), cells.y(j)))

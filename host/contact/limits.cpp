@@ -102,12 +102,12 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
 
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
                                        const fem::PadBox& reach) {
-  if (fem::has_free_sides(sensor)) return std::nullopt;
+  const fem::PadBox rubber = fem::rubber_of(sensor);  // of the model
   double least = std::numeric_limits<double>::infinity();
-  const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to) {
-    if (side) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
+  const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to, double end) {
+    if (side && *side / 2 < end) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
   };
-  along(sensor.length, position[0], reach.x), along(sensor.width, position[1], reach.y);
+  along(sensor.length, position[0], reach.x, rubber.x.right), along(sensor.width, position[1], reach.y, rubber.y.right);
   return reach.x.left < reach.x.right && std::isfinite(least) ? std::optional(least) : std::nullopt;
 }
 
