@@ -107,11 +107,11 @@ std::vector<Kind> copies_of(const std::vector<const AnyScene*>& scenes) {
   std::vector<Kind> copies;
   copies.reserve(scenes.size());
   for (const AnyScene* scene : scenes) {
-    const Kind* one = std::get_if<Kind>(&scene->of);
-    if (one == nullptr)
+    const Kind* copied = std::get_if<Kind>(&scene->of);
+    if (copied == nullptr)
       throw InputError("scenes[" + std::to_string(copies.size()) + "]", "its sensor is of the other kind",
                        "must be all Sensor or all Pad, as that of scenes[0]");
-    copies.push_back(*one);
+    copies.push_back(*copied);
   }
   return copies;
 }
@@ -129,7 +129,7 @@ void bind_solve_of(py::module_& m, const char* doc) {
         options.device = std::move(device), options.tolerance = tolerance;
         options.estimate_error = estimate_error;
         return Typed<std::variant<Path, PadPath>, answer>{without_lock([&] {
-          return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); },
+          return std::visit([&](const auto& kind) { return std::variant<Path, PadPath>(solve(kind, options)); },
                             scene.value->of);
         })};
       },

@@ -109,8 +109,8 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
   for (const Scene& scene : scenes) {
     const Shape& shape = scene.indenter.shape;
     std::size_t k = 0;
-    const auto put = [&, add_column = add_to("indenter.")](auto... of) {
-      of_shape_[shape.index()][k++] = add_column(of...);
+    const auto put = [&, add_column = add_to("indenter.")](auto... column) {
+      of_shape_[shape.index()][k++] = add_column(column...);
     };
     std::visit([&](const auto& s) { shape_columns(s, put); }, shape);
     if (const fem::Taylor* taylor = taylor_of(shape)) powers.insert(taylor->powers.begin(), taylor->powers.end());
@@ -123,7 +123,7 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
   for (const Sensor& sensor : sensors) values.push_back(sensor_values(sensor));
   sensor_columns(sensors[0], [&](const char* key, const char* axis, const char* unit, double first) {
     const std::size_t k = sensor_numbers_.size();
-    const bool differs = std::ranges::any_of(values, [&](const auto& of) { return of[k] != first; });
+    const bool differs = std::ranges::any_of(values, [&](const auto& numbers) { return numbers[k] != first; });
     sensor_numbers_.push_back(differs || (own_sensors && !of_the_array(key)));
     if (sensor_numbers_.back()) add(std::string("sensor.") + key + axis, unit);
   });

@@ -96,11 +96,11 @@ std::vector<std::string> rung_names() {
 
 template <class AnyRung>
 const AnyRung& rung_named(const std::string& name) {
-  std::string own = name;
+  std::string first_name = name;
   for (const auto& [other, rung] : other_names<AnyRung>())
-    if (other == name) own = rung;
+    if (other == name) first_name = rung;
   const std::vector<AnyRung>& rungs = all_rungs<AnyRung>();
-  const auto found = std::ranges::find(rungs, own, &AnyRung::name);
+  const auto found = std::ranges::find(rungs, first_name, &AnyRung::name);
   if (found == rungs.end())
     throw ConfigError("command line", "--rung", name,
                       fmt::format("a rung of {}, one of ", std::is_same_v<AnyRung, Rung> ? "lines" : "pads") +

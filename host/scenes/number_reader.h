@@ -76,8 +76,8 @@ void read_numbers(TomlTable& in, T& into, bool complete) {
 template <class Sensor>
 void read_layers(TomlTable& in, Sensor& sensor) {
   const char* tables = "tables [[sensor.layers]] of thickness, young and poisson, base first";
-  for (TomlTable& of : in.read_tables("layers", tables))
-    read_numbers(of, sensor.layers.emplace_back(), true), of.finish();
+  for (TomlTable& layer : in.read_tables("layers", tables))
+    read_numbers(layer, sensor.layers.emplace_back(), true), layer.finish();
   if (sensor.layers.empty()) return;
   in.refuse_any({"thickness", "young", "poisson"}, "left out beside sensor.layers");
   const Sensor usual;  // a preset may have others
@@ -133,10 +133,10 @@ const std::vector<ShapeName<Shape>>& shapes_of() {
 /// shapes of the other kind. `is`: "belongs to a pad".
 template <class Own, class Other>
 void refuse_other_kind(TomlTable& in, const std::vector<std::string>& others, const std::string& is) {
-  std::vector<std::string> own, foreign = others;
-  for (const auto& shape : shapes_of<Own>()) own.insert(own.end(), shape.keys.begin(), shape.keys.end());
+  std::vector<std::string> known, foreign = others;
+  for (const auto& shape : shapes_of<Own>()) known.insert(known.end(), shape.keys.begin(), shape.keys.end());
   for (const auto& shape : shapes_of<Other>()) foreign.insert(foreign.end(), shape.keys.begin(), shape.keys.end());
-  std::erase_if(foreign, [&](const std::string& key) { return std::ranges::find(own, key) != own.end(); });
+  std::erase_if(foreign, [&](const std::string& key) { return std::ranges::find(known, key) != known.end(); });
   in.refuse_any(foreign, "left out: it " + is);
   std::string word;
   if (!in.has_text("shape") || !in.read("shape", word, "")) return;

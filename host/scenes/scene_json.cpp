@@ -153,12 +153,12 @@ std::string value_text(const Json& value) {
   }
   std::string text;
   if (value.is_object()) {
-    for (const auto& [key, one] : value.items())
-      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, value_text(one));
+    for (const auto& [key, member] : value.items())
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, value_text(member));
     return "{ " + text + " }";
   }
   if (!value.is_array()) return value.dump();
-  for (const Json& one : value) text += (text.empty() ? "" : ", ") + value_text(one);
+  for (const Json& element : value) text += (text.empty() ? "" : ", ") + value_text(element);
   return "[" + text + "]";
 }
 
@@ -186,7 +186,7 @@ std::string toml(Json scene) {
       continue;
     }
     text += fmt::format("\n[{}]\n", key);
-    for (const auto& [name, one] : value.items()) text += fmt::format("{} = {}\n", name, value_text(one));
+    for (const auto& [name, number] : value.items()) text += fmt::format("{} = {}\n", name, value_text(number));
   }
   return text;
 }

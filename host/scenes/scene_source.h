@@ -197,10 +197,10 @@ extern template class SourceOf<fem::PadScene>;
 /// A sweep of either kind.
 using AnySource = std::variant<SceneSource, PadSource>;
 inline ContactSource& common(AnySource& source) {
-  return std::visit([](auto& of) -> ContactSource& { return of; }, source);
+  return std::visit([](auto& sweep) -> ContactSource& { return sweep; }, source);
 }
 inline const ContactSource& common(const AnySource& source) {
-  return std::visit([](const auto& of) -> const ContactSource& { return of; }, source);
+  return std::visit([](const auto& sweep) -> const ContactSource& { return sweep; }, source);
 }
 
 /// Returns true where the outermost tactels are points at the ends of the glued base, where the exact stress is

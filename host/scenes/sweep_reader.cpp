@@ -82,7 +82,8 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
     } else if (node.is_table()) {
       table.insert_or_assign(key, number(key, node));
     } else if (toml::array* array = node.as_array()) {
-      each_table(*array, [&](toml::array& of, std::size_t i, int) { of.replace(of.cbegin() + i, number(key, of[i])); });
+      each_table(*array,
+                 [&](toml::array& list, std::size_t i, int) { list.replace(list.cbegin() + i, number(key, list[i])); });
     }
   }
   if (random) {
@@ -124,7 +125,7 @@ using FileSum = std::optional<std::pair<string, string>>;
 FileSum file_sum(const string& file, std::initializer_list<std::span<const double>> numbers) {
   if (file.empty()) return {};
   RunningChecksum sum;
-  for (const auto& of : numbers) sum.add({reinterpret_cast<const char*>(of.data()), of.size_bytes()});
+  for (const auto& part : numbers) sum.add({reinterpret_cast<const char*>(part.data()), part.size_bytes()});
   return std::pair{std::filesystem::path(file).filename().string(), sum.text()};
 }
 FileSum file_of(const fem::Shape& shape) {
@@ -171,7 +172,7 @@ auto SweepReaderOf<Scene>::distributions(const string& name, const toml::table& 
     if (has_plain_tables(name, key.str())) continue;
     add(full, -1, node);
     if (const toml::array* array = node.as_array())
-      each_table(*array, [&](const toml::array& of, std::size_t i, int index) { add(full, index, of[i]); });
+      each_table(*array, [&](const toml::array& list, std::size_t i, int index) { add(full, index, list[i]); });
   }
   return found;
 }
@@ -191,7 +192,7 @@ double SweepReaderOf<Scene>::weight(const string& name, const toml::table& table
 template <class Scene>
 TomlFile SweepReaderOf<Scene>::concrete(const string& name, std::size_t chosen) const {
   TomlFile file(file_.path(), file_.text());
-  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
+  for (const char* table : {"sweep", "transducer"}) file.root().erase(table);
   for (const string part : part_names) {
     toml::node* node = file.root().get(part);
     if (node == nullptr) continue;
@@ -345,7 +346,8 @@ void SweepReaderOf<fem::PadScene>::check_holds(const PadSource& source) const {
   if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
     const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
     const double first = rate(source.load_.alternatives.front());
-    if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
+    if (!(first > 0) ||
+        !std::ranges::all_of(source.load_.alternatives, [&](auto& load) { return rate(load) == first; }))
       throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
   }
   const auto all = tables("indenter");
@@ -476,12 +478,13 @@ void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource
 /// Whether each contact draws its own of the numbers that tables of many sensors serve.
 template <class Scene>
 bool SweepReaderOf<Scene>::draws_own_sensors(const Part& part) const {
-  const auto own = [](const NumberDraw& draw) {
+  const auto is_sensors = [](const NumberDraw& draw) {
     for (const char* key : {"sensor.poisson", "sensor.thickness", "sensor.young", "sensor.length"})
       if (draw.place == number_place<Scene>(key, "")) return true;
     return false;
   };
-  return std::ranges::any_of(part.alternatives, [&](const auto& from) { return std::ranges::any_of(from.draws, own); });
+  return std::ranges::any_of(part.alternatives,
+                             [&](const auto& from) { return std::ranges::any_of(from.draws, is_sensors); });
 }
 
 /// Sensors that are given stand as they are; one with distributions is drawn `count` times, or by each contact (count

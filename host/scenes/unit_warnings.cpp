@@ -184,11 +184,11 @@ std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes) { 
 std::vector<std::string> unit_warnings(const AnySource& source) {
   UnitWarnings warnings;
   std::visit(
-      [&](const auto& of) {
-        auto scene = typename std::remove_cvref_t<decltype(of)>::Contact{}.scene;
-        for (const auto& sensor : of.sensors()) scene.sensor = sensor, warnings.look_at(scene);
-        for (std::uint64_t k = 0; k < std::min(of.contacts(), most_looked_at); ++k)
-          warnings.look_at(of.contact(k).scene);
+      [&](const auto& sweep) {
+        auto scene = typename std::remove_cvref_t<decltype(sweep)>::Contact{}.scene;
+        for (const auto& sensor : sweep.sensors()) scene.sensor = sensor, warnings.look_at(scene);
+        for (std::uint64_t k = 0; k < std::min(sweep.contacts(), most_looked_at); ++k)
+          warnings.look_at(sweep.contact(k).scene);
       },
       source);
   return warnings.take();
