@@ -257,16 +257,6 @@ void SweepReaderOf<Scene>::take_random_profile(const toml::table& table, Alterna
   into.profile = profile;
 }
 
-template <>
-void SweepReaderOf<fem::Scene>::take_slip_index(const toml::table& load, Alternative& into) {
-  const toml::node* node = load.get("slip_index");
-  into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
-  const auto [low, high] = ends(into.slip_index->distribution);
-  if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
-  if (into.scene.load.normal_force.empty() || into.scene.load.angle)
-    throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
-}
-
 /// Every distribution at its largest number, the others at their smallest: the model must accept it.
 template <class Scene>
 void SweepReaderOf<Scene>::check_ends(const Alternative& alternative, const std::vector<Found>& found) const {
@@ -298,25 +288,30 @@ const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, 
 }
 
 template <>
-void SweepReaderOf<fem::PadScene>::take_hold(const toml::table& load, const toml::node& node, Alternative& into) const {
-  const toml::table& table = table_of_path(load, node, "load.hold");
-  if (const toml::node* other = load.get("irregular"))
-    throw file_.error("load.irregular", other, "left out, because load.hold is given too");
-  if (into.scene.load.normal_force.size() != 1)
-    throw file_.error("load.hold", &node, "given with one normal_force, in N");
-  into.hold = read_hold_load(file_, table);
-}
-
-template <>
-void SweepReaderOf<fem::Scene>::take_own_keys(const string& name, const toml::table& table, Alternative& into) {
+void SweepReaderOf<fem::Scene>::take_own_keys(const string& name, const toml::table& table,
+                                              SceneSource::Alternative& into) {
   if (is_random_profile<fem::Scene>(name, table)) take_random_profile(table, into);
-  if (name == "load" && table.contains("slip_index")) take_slip_index(table, into);
+  const toml::node* node = table.get("slip_index");
+  if (name != "load" || node == nullptr) return;
+  into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
+  const auto [low, high] = ends(into.slip_index->distribution);
+  if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
+  if (into.scene.load.normal_force.empty() || into.scene.load.angle)
+    throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
 }
 template <>
-void SweepReaderOf<fem::PadScene>::take_own_keys(const string& name, const toml::table& table, Alternative& into) {
-  if (const toml::node* node = table.get("hold"); name == "load" && node != nullptr) take_hold(table, *node, into);
+void SweepReaderOf<fem::PadScene>::take_own_keys(const string& name, const toml::table& table,
+                                                 PadSource::Alternative& into) {
   if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
     into.unevenness = read_unevenness(file_, *node);
+  const toml::node* node = table.get("hold");
+  if (name != "load" || node == nullptr) return;
+  const toml::table& hold = table_of_path(table, *node, "load.hold");
+  if (const toml::node* other = table.get("irregular"))
+    throw file_.error("load.irregular", other, "left out, because load.hold is given too");
+  if (into.scene.load.normal_force.size() != 1)
+    throw file_.error("load.hold", node, "given with one normal_force, in N");
+  into.hold = read_hold_load(file_, hold);
 }
 
 template <class Scene>

@@ -45,11 +45,9 @@ class SweepReaderOf {
   void check_ends(const Alternative& alternative, const std::vector<Found>& found) const;
   void take_own_keys(const std::string& name, const toml::table& table, Alternative& into);  ///< of lines, of pads
   void take_random_profile(const toml::table& table, Alternative& into);
-  void take_slip_index(const toml::table& load, Alternative& into);
   const toml::table& table_of_path(const toml::table& load, const toml::node& node, const std::string& name) const;
   void take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const;
   void check_whole(Source& source) const;
-  void take_hold(const toml::table& load, const toml::node& node, Alternative& into) const;
   void check_holds(const Source& source) const;
   void take_markers(Source& source) const;
   NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
@@ -63,9 +61,13 @@ class SweepReaderOf {
 };
 
 template <>
-void SweepReaderOf<fem::Scene>::take_own_keys(const std::string&, const toml::table&, Alternative&);
+void SweepReaderOf<fem::Scene>::take_own_keys(const std::string&, const toml::table&, SceneSource::Alternative&);
 template <>
-void SweepReaderOf<fem::PadScene>::take_own_keys(const std::string&, const toml::table&, Alternative&);
+void SweepReaderOf<fem::PadScene>::take_own_keys(const std::string&, const toml::table&, PadSource::Alternative&);
+template <>
+void SweepReaderOf<fem::PadScene>::check_holds(const PadSource&) const;
+template <>
+void SweepReaderOf<fem::PadScene>::take_markers(PadSource&) const;
 template <>
 void SweepReaderOf<fem::Scene>::check_whole(SceneSource&) const;
 template <>

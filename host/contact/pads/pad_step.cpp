@@ -12,6 +12,7 @@
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
+#include "host/contact/pads/pad_contact.h"
 #include "host/device/unwritten.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
