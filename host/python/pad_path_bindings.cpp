@@ -44,7 +44,7 @@ void bind_pad_path(py::module_& m) {
   py::class_<PadPath> path(m, "PadPath",
                            "The answer to a scene on a pad: one entry for each load increment, those of the pressing "
                            "first. P, Q, M are those of the indenter on the rubber.");
-  bind_answer(path, "PadPath");
+  bind_solved(path, "PadPath");
   path.def_property_readonly(
           "tactels",
           [](const PadPath& path) {
@@ -88,7 +88,7 @@ void bind_pad_paths(py::module_& m) {
   py::class_<PadPaths> paths(
       m, "PadPaths",
       "Answers of many scenes on pads. Arrays are views without copies; entries beyond a scene's own steps are NaN.");
-  bind_answers(paths);
+  bind_many_solved(paths);
   paths
       .def_property_readonly(
           "tactels",

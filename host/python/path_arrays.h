@@ -207,7 +207,7 @@ void bind_pictures(py::class_<Path>& path) {
 
 /// Binds all that answers of lines and of pads have alike. `name`: of the class.
 template <class Path>
-void bind_answer(py::class_<Path>& path, const std::string& name) {
+void bind_solved(py::class_<Path>& path, const std::string& name) {
   bind_pictures(path);
   bind_steps(path);
   path.def("__len__", [](const Path& path) { return path.steps.size(); })
@@ -222,7 +222,7 @@ void bind_answer(py::class_<Path>& path, const std::string& name) {
 }
 /// The same of many scenes.
 template <class Paths>
-void bind_answers(py::class_<Paths>& paths) {
+void bind_many_solved(py::class_<Paths>& paths) {
   bind_many_steps(paths);
   paths.def("__len__", [](const Paths& all) { return all.scenes; })
       .def_property_readonly("steps_made", column(&Paths::steps_made), "[scenes] load steps of each scene")

@@ -33,7 +33,7 @@ void bind_path(py::module_& m) {
   py::class_<Path> path(m, "Path",
                         "The answer to a scene: one entry for each load increment, those of the indentation first. "
                         "P, Q are those of the indenter on the rubber.");
-  bind_answer(path, "Path");
+  bind_solved(path, "Path");
   path.def_property_readonly(
           "tactels",
           [](const Path& path) {
@@ -64,7 +64,7 @@ void bind_paths(py::module_& m) {
   py::class_<Paths> paths(
       m, "Paths",
       "Answers of many scenes. Arrays are views without copies; entries beyond a scene's own steps are NaN.");
-  bind_answers(paths);
+  bind_many_solved(paths);
   paths.def_property_readonly("sliding", column(&Paths::sliding), "[scenes] 1: the last step slides as a whole")
       .def_property_readonly(
           "tactels",
