@@ -61,25 +61,25 @@ std::vector<double> Tare::noise() const {
 // White noise of standard deviation s makes steps of 2 s / sqrt(pi) on average between neighbours. The mean over n
 // readings scatters by s / sqrt(n): parts of fewer than four readings are allowed more.
 ChannelRest Tare::channel(std::size_t i) const {
-  const Channel& of = channels_[i];
-  ChannelRest rest{.readings = of.readings};
-  if (of.readings == 0) return rest;
-  const auto steps = static_cast<double>(std::max<std::size_t>(of.readings - 1, 1));
-  rest.noise = of.steps / steps * std::sqrt(std::numbers::pi) / 2;
-  const std::size_t full = std::ranges::max(of.parts, {}, &Part::readings).readings;
+  const Channel& channel = channels_[i];
+  ChannelRest rest{.readings = channel.readings};
+  if (channel.readings == 0) return rest;
+  const auto steps = static_cast<double>(std::max<std::size_t>(channel.readings - 1, 1));
+  rest.noise = channel.steps / steps * std::sqrt(std::numbers::pi) / 2;
+  const std::size_t full = std::ranges::max(channel.parts, {}, &Part::readings).readings;
   const double few = 2 / std::sqrt(static_cast<double>(full));
-  rest.step = of.smallest_step;
-  rest.allowed = allowed_drift * std::max(1.0, few) * rest.noise + allowed_steps * of.smallest_step;
+  rest.step = channel.smallest_step;
+  rest.allowed = allowed_drift * std::max(1.0, few) * rest.noise + allowed_steps * channel.smallest_step;
   double sum = 0;
   bool first = true;
-  for (const Part& part : of.parts) {
+  for (const Part& part : channel.parts) {
     sum += part.sum;
     if (2 * part.readings < full || part.readings == 0) continue;  // a part that has only begun
     rest.lowest = first ? part.mean() : std::min(rest.lowest, part.mean());
     rest.highest = first ? part.mean() : std::max(rest.highest, part.mean());
     first = false;
   }
-  rest.mean = sum / static_cast<double>(of.readings);
+  rest.mean = sum / static_cast<double>(channel.readings);
   return rest;
 }
 

@@ -43,15 +43,10 @@
 #define MOST_PARTS 16
 
 /* Unknown cells of a row, and entries of the influence between two rows (BLOCKS: between rows of cells alike). */
-#if MIRRORED
-#define SIDE (SEARCH_CELLS / 2)
-#define ENTRIES (SIDE * (SIDE + 1) / 2)
-#define ENTRY(a, b) ((a) > (b) ? (a) * ((a) + 1) / 2 + (b) : (b) * ((b) + 1) / 2 + (a))
-#else
-#define SIDE SEARCH_CELLS
-#define ENTRIES SIDE
-#define ENTRY(a, b) ((a) > (b) ? (a) - (b) : (b) - (a))
-#endif
+#define SIDE (MIRRORED ? SEARCH_CELLS / 2 : SEARCH_CELLS)
+#define ENTRIES (MIRRORED ? SIDE * (SIDE + 1) / 2 : SIDE)
+#define MIRRORED_ENTRY(a, b) ((a) > (b) ? (a) * ((a) + 1) / 2 + (b) : (b) * ((b) + 1) / 2 + (a))
+#define ENTRY(a, b) (MIRRORED ? MIRRORED_ENTRY(a, b) : (a) > (b) ? (a) - (b) : (b) - (a))
 #define UNKNOWNS (SIDE * SIDE)
 
 typedef struct {
@@ -145,7 +140,6 @@ typedef struct {
   int any;
 } Maps;
 
-#if !MIRRORED
 /* Bilinear between measured heights; no indenter beyond them. */
 static vreal map_heights(const Maps *maps, global const vreal *in, vreal x, vreal y, vreal height) {
   real at_x[LANES], at_y[LANES], h[LANES], rows[LANES], columns[LANES], unit[LANES];
@@ -211,7 +205,6 @@ INLINE void take(vint lanes, const Extent *from, Extent *to) {
   to->left = PICK(lanes, from->left, to->left);
   to->right = PICK(lanes, from->right, to->right);
 }
-#endif
 
 /* The square of what lies beyond a flat, times a curvature. */
 static inline vreal rounding(vreal distance, vreal flat, vreal curvature) {
@@ -226,12 +219,8 @@ static inline vreal height_at(const Maps *maps, global const vreal *in, vreal x,
   h = fma(in[PAD_SHAPE_SLOPE], rho, h) + rounding(rho, in[PAD_SHAPE_FLAT], in[PAD_SHAPE_CURVE]);
   h += rounding(fabs(x), in[PAD_SHAPE_FLAT_X], in[PAD_SHAPE_CURVE_X]);
   h += rounding(fabs(y), in[PAD_SHAPE_FLAT_Y], in[PAD_SHAPE_CURVE_Y]);
-#if !MIRRORED
-  h += fma(in[PAD_SHAPE_TILT_X], x, fma(in[PAD_SHAPE_TILT_Y], y, in[PAD_SHAPE_BELOW]));
-  if (maps->any) h = map_heights(maps, in, x, y, h);
-#else
-  (void)maps;
-#endif
+  if (!MIRRORED) h += fma(in[PAD_SHAPE_TILT_X], x, fma(in[PAD_SHAPE_TILT_Y], y, in[PAD_SHAPE_BELOW]));
+  if (!MIRRORED && maps->any) h = map_heights(maps, in, x, y, h);
   return PICK(rho > in[PAD_SHAPE_RIM], ALL_LANES(PAD_OPEN), h);
 }
 
@@ -248,11 +237,7 @@ static void rigid_section(const Maps *maps, global const vreal *in, vreal depth,
                           in[PAD_SECTION_SLOPE]);
   x->left = -x->right;
   y->left = -y->right;
-#if !MIRRORED
-  if (maps->any) map_box(maps, in, d, 0, in[PAD_MAP_ROWS] > 0, x, y);
-#else
-  (void)maps;
-#endif
+  if (!MIRRORED && maps->any) map_box(maps, in, d, 0, in[PAD_MAP_ROWS] > 0, x, y);
 }
 
 static inline void clip(Extent *e, vreal edge) {
@@ -265,17 +250,16 @@ static void start_round(const Maps *maps, global const vreal *in, vreal depth, c
                         vreal hx, vreal hy, Press *s) {
   vreal zz[SEARCH_CELLS * SEARCH_CELLS];
   cell_influence(in, hx, hy, zz);
-#if MIRRORED
-  vreal along_y[SEARCH_CELLS * ENTRIES];
-  ROLLED for (int i = 0; i < SEARCH_CELLS; ++i) for (int j = 0; j < SIDE; ++j) for (int l = 0; l <= j; ++l)
-      along_y[i * ENTRIES + ENTRY(j, l)] = zz[i * SEARCH_CELLS + j - l] + zz[i * SEARCH_CELLS + j + l + 1];
-  ROLLED for (int i = 0; i < SIDE; ++i) ROLLED for (int k = 0; k <= i; ++k) ROLLED for (int e = 0; e < ENTRIES; ++e)
-      s->zz[ENTRY(i, k) * ENTRIES + e] = along_y[(i - k) * ENTRIES + e] + along_y[(i + k + 1) * ENTRIES + e];
-  const vreal from_x = 0, from_y = 0;
-#else
-  ROLLED for (int e = 0; e < ENTRIES * ENTRIES; ++e) s->zz[e] = zz[e];
-  const vreal from_x = x->left, from_y = y->left;
-#endif
+  if (MIRRORED) {
+    vreal along_y[SEARCH_CELLS * ENTRIES];
+    ROLLED for (int i = 0; i < SEARCH_CELLS; ++i) for (int j = 0; j < SIDE; ++j) for (int l = 0; l <= j; ++l)
+        along_y[i * ENTRIES + ENTRY(j, l)] = zz[i * SEARCH_CELLS + j - l] + zz[i * SEARCH_CELLS + j + l + 1];
+    ROLLED for (int i = 0; i < SIDE; ++i) ROLLED for (int k = 0; k <= i; ++k) ROLLED for (int e = 0; e < ENTRIES; ++e)
+        s->zz[ENTRY(i, k) * ENTRIES + e] = along_y[(i - k) * ENTRIES + e] + along_y[(i + k + 1) * ENTRIES + e];
+  } else {
+    ROLLED for (int e = 0; e < ENTRIES * ENTRIES; ++e) s->zz[e] = zz[e];
+  }
+  const vreal from_x = MIRRORED ? (vreal)(0) : x->left, from_y = MIRRORED ? (vreal)(0) : y->left;
   ROLLED for (int i = 0; i < SIDE; ++i) {
     s->bears[i] = 0;
     ROLLED for (int j = 0; j < SIDE; ++j) {
@@ -286,9 +270,6 @@ static void start_round(const Maps *maps, global const vreal *in, vreal depth, c
       s->p[i * SIDE + j] = 0;
     }
   }
-#if MIRRORED
-  (void)x, (void)y;
-#endif
 }
 
 /* What the target of a row of cells leaves over when other rows press: those before it and behind it. */
@@ -328,13 +309,9 @@ static void next_extent(const vint *bears, vreal h, vint any, vreal edge, Extent
     first = PICK(bears[i] & (first >= SIDE), ALL_LANES(i), first);
     end = PICK(bears[i], ALL_LANES(i + 1), end);
   }
-#if MIRRORED
-  const Extent now = {-(end * h), end * h};
-  const vint grows_left = end >= SIDE;
-#else
-  const Extent now = {fma(first, h, window->left), fma(end, h, window->left)};
-  const vint grows_left = first <= 0;
-#endif
+  const Extent now = {MIRRORED ? -(end * h) : fma(first, h, window->left),
+                      MIRRORED ? end * h : fma(end, h, window->left)};
+  const vint grows_left = MIRRORED ? end >= SIDE : first <= 0;
   const vreal part = WINDOW_GROWTH * (now.right - now.left), cells = WINDOW_MARGIN * h;
   const Extent next = {now.left - PICK(grows_left, part, cells), now.right + PICK(end >= SIDE, part, cells)};
   pressed->left = PICK(any, now.left, pressed->left);
@@ -369,21 +346,17 @@ static vreal search_at(const Maps *maps, global const vreal *in, vreal depth, vi
       any |= bears;
       sum += s.p[i];
     }
-#if MIRRORED
-    sum *= 4;
-#endif
+    if (MIRRORED) sum *= 4;
     P = PICK(running, sum * hx * hy, P);
     next_extent(bears_x, hx, running & any, in[PAD_SHAPE_EDGE_X], &window_x, x);
     next_extent(bears_y, hy, running & any, in[PAD_SHAPE_EDGE_Y], &window_y, y);
-#if !MIRRORED
-    const vint missed = round == 0 && maps->any ? running & NOT(any) & (in[PAD_MAP_ROWS] > 0) : (vint)(0);
+    const vint missed = !MIRRORED && round == 0 && maps->any ? running & NOT(any) & (in[PAD_MAP_ROWS] > 0) : (vint)(0);
     if (ANY(missed)) {
       map_box(maps, in, depth, 1, missed, &window_x, &window_y);
       take(missed, &window_x, x);
       take(missed, &window_y, y);
       any |= missed;
     }
-#endif
     running &= any;
   }
   return P;

@@ -21,8 +21,8 @@
    pairs of cells, where what a cell does depends on its place. */
 // defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2 FRICTION_MAP=1
 #define STEPPED 1
-#define OWN_TABLES 0
 #define INPUT_ROWS (STEP_INPUT_ROWS + FRICTION_MAP * COUNT)
+#include "pad/table_sums.h"
 #include "pad/nearby.h"
 #include "pad/pose_search.h"
 #include "pad/residual.h"
@@ -109,13 +109,8 @@ static void load_cells(const Influence *influence, global const vreal *soft, glo
     c->tx_last[i].v[v] = own[STEP_TX_LAST * COUNT];
     c->ty_last[i].v[v] = own[STEP_TY_LAST * COUNT];
     c->soft[i].v[v] = PICK(s->valid.v[v], soft[v * COUNT + i], ALL_LANES(0));
-#if DENSE
-    global const real *own_entry = influence->table + (size_t)PAD_PAIR * (COUNT + 1) * i;
-    const real own_n = own_entry[PAD_ZZ], own_t = fmax(own_entry[PAD_XX], own_entry[PAD_YY]);
-#else
-    (void)influence;
-    const real own_n = 1, own_t = 1;
-#endif
+    global const real *entry = influence->table + (size_t)PAD_PAIR * (COUNT + 1) * i;
+    const real own_n = DENSE ? entry[PAD_ZZ] : (real)1, own_t = DENSE ? fmax(entry[PAD_XX], entry[PAD_YY]) : (real)1;
     c->per_own_n[i].v[v] = 1 / (own_n + c->soft[i].v[v]);
     c->per_own_t[i].v[v] = 1 / (own_t + c->soft[i].v[v]);
     c->ux[i].v[v] = c->uy[i].v[v] = 0;
@@ -227,11 +222,8 @@ static inline void mean_slide(const Influence *influence, const Cells *c, const 
 }
 
 static Influence influence_of(global const real *table) {
-#if DENSE
   global const real *entries = table + PAD_TABLE_HEAD;
-#else
-  global const real *entries = table + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS_Y);
-#endif
+  if (!DENSE) entries += PAD_INFLUENCE * (CELLS * SPAN + CELLS_Y);
   const Influence influence = {entries, table[PAD_ROOT_ZZ], table[PAD_ROOT_TT], table[PAD_HX], table[PAD_HY]};
   return influence;
 }

@@ -41,9 +41,9 @@ struct Contact {
 };
 
 /// How much of the last change of the forces to expect again.
-double growth(const LoadStep& now, const LoadStep& last, const LoadStep& before) {
-  const double d = now.normal - last.normal, d_last = last.normal - before.normal;
-  const double x = now.tangential - last.tangential, x_last = last.tangential - before.tangential;
+double growth(const LoadStep& next, const LoadStep& last, const LoadStep& before) {
+  const double d = next.normal - last.normal, d_last = last.normal - before.normal;
+  const double x = next.tangential - last.tangential, x_last = last.tangential - before.tangential;
   double ratio = 0;
   if (d == 0 && d_last == 0 && x_last != 0)
     ratio = x / x_last;
@@ -145,12 +145,12 @@ void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) co
       }
     } while (converged && activate_penetrated());
     if (!record(c, step, sweeps, converged, profile)) return;
-    Vector<Real> now = c.ux_last;
+    Vector<Real> moved = c.ux_last;
     for (int i = c.first; i < c.end; ++i) {
       const bool sticks = std::abs(c.force[2 * i + 1]) < c.mu * c.force[2 * i];
-      now[i] = sticks ? c.ux_last[i] + (c.x - c.x_last) : ux(i, c.force);  // what convergence left does not add up
+      moved[i] = sticks ? c.ux_last[i] + (c.x - c.x_last) : ux(i, c.force);  // what convergence left does not add up
     }
-    c.ux_last = now;
+    c.ux_last = moved;
     c.x_last = c.x;
     before = last;
     last = step;

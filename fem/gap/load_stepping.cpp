@@ -75,10 +75,10 @@ int pressing_parts(const Load& load, int increments) {
 
 void keep_own_steps(ContactSolution& solution, const Load& load, int parts) {
   const std::size_t pressed = static_cast<std::size_t>(load_path(load).indentation_steps) * parts;
-  std::vector<ContactStep> own;
+  std::vector<ContactStep> asked;
   for (std::size_t k = 0; k < solution.steps.size(); ++k)
-    if (k >= pressed || (k + 1) % parts == 0) own.push_back(std::move(solution.steps[k]));
-  solution.steps = std::move(own);
+    if (k >= pressed || (k + 1) % parts == 0) asked.push_back(std::move(solution.steps[k]));
+  solution.steps = std::move(asked);
 }
 
 }  // namespace tactel::fem

@@ -16,9 +16,9 @@
 namespace tactel::fem {
 
 void require_sensor_of(const LayerModel& model, const Sensor& sensor) {
-  const Sensor& own = model.sensor;
-  if (sensor.length != own.length || sensor.thickness != own.thickness || rubber(sensor) != rubber(own) ||
-      sensor.tactels != own.tactels || sensor.span() != own.span() || sensor.tactel_width != own.tactel_width)
+  const Sensor& known = model.sensor;
+  if (sensor.length != known.length || sensor.thickness != known.thickness || rubber(sensor) != rubber(known) ||
+      sensor.tactels != known.tactels || sensor.span() != known.span() || sensor.tactel_width != known.tactel_width)
     throw std::invalid_argument("LayerModel: the scene has another sensor; make a model of its own");
 }
 
@@ -71,8 +71,8 @@ struct ModelNumbers {
 };
 
 std::optional<LayerModel> read_model(const Sensor& sensor, const CacheFile& file) {
-  const Rubber of = rubber(sensor);
-  const double top = of.layers.empty() ? 0 : of.layers.back().thickness;
+  const Rubber stack = rubber(sensor);
+  const double top = stack.layers.empty() ? 0 : stack.layers.back().thickness;
   ModelNumbers numbers{
       LayerTable::Coefficients(LayerTable::cells_over(LayerTable::default_range, top), 4 * LayerTable::functions),
       FreeSides::Rows(FreeSides::places(side_block(sensor), sensor.length), 2 * FreeSides::rank),

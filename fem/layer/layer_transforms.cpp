@@ -33,10 +33,10 @@ struct Slab {
   Slab(const RubberLayer& layer, double a) {
     const double nu = layer.poisson, G = layer.young / (2 * (1 + nu)), part = 2 * (1 - nu);
     const Terms t(nu, a);
-    const LayerTransforms one = layer_transforms(nu, a);
-    Y << part * one.xx, one.xy, one.xy, part * one.yy;
+    const LayerTransforms single = layer_transforms(nu, a);
+    Y << part * single.xx, single.xy, single.xy, part * single.yy;
     Y /= 2 * G;
-    B << one.tau_by_x, -one.tau_by_y, one.sigma_by_x, one.sigma_by_y;
+    B << single.tau_by_x, -single.tau_by_y, single.sigma_by_x, single.sigma_by_y;
     const double bent = 2 * a * t.inverse, q = t.compressible * t.cosh_2a_less_1 + a * bent;
     S << part * (t.sinh_2a + bent), q, q, part * (t.sinh_2a - bent);
     S *= 2 * G / t.D;
@@ -63,12 +63,12 @@ StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a) 
   for (const RubberLayer& layer : layers) thickness += layer.thickness;
   Eigen::Matrix2d Y = Eigen::Matrix2d::Zero(), B = Eigen::Matrix2d::Identity();
   for (const RubberLayer& layer : layers) {
-    const double own = a * layer.thickness / thickness, G = layer.young / (2 * (1 + layer.poisson));
-    const Slab slab(layer, own);
+    const double height = a * layer.thickness / thickness, G = layer.young / (2 * (1 + layer.poisson));
+    const Slab slab(layer, height);
     const Eigen::Matrix2d X = (Eigen::Matrix2d::Identity() + slab.S * Y).inverse() * slab.B;
     Y = (slab.Y + slab.B.transpose() * Y * X).eval();
     B = (B * X).eval();
-    const double even = 1 / std::cosh(own), odd = std::tanh(own), passed = even / (1 + G * odd * across);
+    const double even = 1 / std::cosh(height), odd = std::tanh(height), passed = even / (1 + G * odd * across);
     across = odd / G + even * across * passed;
     across_base *= passed;
   }

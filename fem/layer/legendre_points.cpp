@@ -13,13 +13,13 @@ struct Legendre {
 };
 
 Legendre legendre(int degree, double x) {
-  double before = 1, now = x;
+  double before = 1, value = x;
   for (int k = 2; k <= degree; ++k) {
-    const double next = ((2 * k - 1) * x * now - (k - 1) * before) / k;
-    before = now;
-    now = next;
+    const double next = ((2 * k - 1) * x * value - (k - 1) * before) / k;
+    before = value;
+    value = next;
   }
-  return {now, degree * (x * now - before) / (x * x - 1)};
+  return {value, degree * (x * value - before) / (x * x - 1)};
 }
 
 }  // namespace

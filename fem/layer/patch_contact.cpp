@@ -88,8 +88,8 @@ bool PatchContact::solve(int& sweeps) {
 }
 
 Eigen::VectorXd PatchContact::ux() const {
-  const auto own = Eigen::seqN(rows_beyond, n_.size());
-  return compliance_.ux_by_n(own, Eigen::all) * n_ + compliance_.ux_by_t(own, Eigen::all) * t_;
+  const auto within = Eigen::seqN(rows_beyond, n_.size());
+  return compliance_.ux_by_n(within, Eigen::all) * n_ + compliance_.ux_by_t(within, Eigen::all) * t_;
 }
 
 GapElements PatchContact::elements() const {
@@ -109,15 +109,15 @@ GapElements PatchContact::elements() const {
 }
 
 void PatchContact::remember() {
-  const Eigen::VectorXd now = ux();
+  const Eigen::VectorXd moved = ux();
   for (Eigen::Index i = 0; i < n_.size(); ++i) {
     const bool sticks = n_[i] > 0 && std::abs(t_[i]) < mu_ * n_[i];
-    ux_last_[i] = sticks ? ux_last_[i] + (x - x_last_) : now[i];
+    ux_last_[i] = sticks ? ux_last_[i] + (x - x_last_) : moved[i];
   }
   gap_before_ = gap_;
   ux_before_ = ux_;
   gap_ = elements().gap.segment(rows_beyond, n_.size());
-  ux_ = now;
+  ux_ = moved;
   x_last_ = x;
 }
 

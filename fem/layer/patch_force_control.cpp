@@ -16,9 +16,9 @@ constexpr double sliding_margin = 1e-5;
 
 /// A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no
 /// bound yet.
-double bracketed(double trial, double now, double low, double high) {
-  if (trial >= high) return std::isfinite(high) ? (now + high) / 2 : 2 * now;
-  return trial <= low ? (now + low) / 2 : trial;
+double bracketed(double trial, double depth, double low, double high) {
+  if (trial >= high) return std::isfinite(high) ? (depth + high) / 2 : 2 * depth;
+  return trial <= low ? (depth + low) / 2 : trial;
 }
 
 }  // namespace

@@ -82,17 +82,17 @@ PatchSearch find_patch(const Scene& scene, const LayerTable& table, int elements
   if (!by_force(scene)) return find_patch_at(largest(scene.load.indentation), scene, table, elements);
   const double wanted = largest(scene.load.normal_force);
   if (!(wanted > 0)) return find_patch_at(0, scene, table, elements);
-  PatchSearch now = find_patch_at(0.3 * wanted / scene.sensor.young, scene, table, elements), before = now;
+  PatchSearch found = find_patch_at(0.3 * wanted / scene.sensor.young, scene, table, elements), before = found;
   double power = 1;  // P ~ depth^power: 1 below a flat, 2 for a wedge on a thick layer, more on a thin one
   for (int trial = 1; trial < search_most_depths; ++trial) {
-    if (std::abs(now.P - wanted) <= search_force_error * wanted) break;
-    if (trial > 1 && now.depth != before.depth)
-      power = std::clamp(std::log(now.P / before.P) / std::log(now.depth / before.depth), 0.5, 4.0);
-    before = now;
-    const double factor = std::clamp(std::pow(wanted / now.P, 1 / power), 0.1, 10.0);
-    now = find_patch_at(now.depth * factor, scene, table, elements);
+    if (std::abs(found.P - wanted) <= search_force_error * wanted) break;
+    if (trial > 1 && found.depth != before.depth)
+      power = std::clamp(std::log(found.P / before.P) / std::log(found.depth / before.depth), 0.5, 4.0);
+    before = found;
+    const double factor = std::clamp(std::pow(wanted / found.P, 1 / power), 0.1, 10.0);
+    found = find_patch_at(found.depth * factor, scene, table, elements);
   }
-  return now;
+  return found;
 }
 
 }  // namespace tactel::fem

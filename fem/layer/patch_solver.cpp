@@ -204,14 +204,14 @@ ContactSolution PatchSolver::solve_on(const Patch& patch, const Scene& scene) co
 ContactSolution PatchSolver::solve(const Scene& scene, Patch* last) const {
   scene.validate();
   require_sensor_of(model_, scene.sensor);
-  Scene own = scene;
-  own.indenter = with_hull(scene.indenter);
-  Patch patch = find_patch(own, model_.table, options_.elements).patch;
-  const PatchLimits limits = patch_limits(own);
+  Scene hulled = scene;
+  hulled.indenter = with_hull(scene.indenter);
+  Patch patch = find_patch(hulled, model_.table, options_.elements).patch;
+  const PatchLimits limits = patch_limits(hulled);
   for (int growths = 0;; ++growths) {
     Beyond beyond;
     if (last) *last = patch;
-    ContactSolution solution = PatchWalk(model_, options_, patch, own).walk(beyond);
+    ContactSolution solution = PatchWalk(model_, options_, patch, hulled).walk(beyond);
     if (!beyond.any() || growths == options_.most_growths) return solution;
     patch = grown(patch, beyond.left, beyond.right, limits);
   }

@@ -33,8 +33,8 @@ double last_in_contact(const Indenter& indenter, double depth, double inside, do
 }  // namespace
 
 Interval indenter_extent(const Indenter& indenter) {
-  const Interval own = std::visit([](const auto& s) { return extent(s); }, indenter.shape);
-  return {own.left + indenter.position, own.right + indenter.position};
+  const Interval shape = std::visit([](const auto& s) { return extent(s); }, indenter.shape);
+  return {shape.left + indenter.position, shape.right + indenter.position};
 }
 
 Interval rigid_contact(const Indenter& indenter, double depth, Interval room) {

@@ -133,7 +133,8 @@ int points_along(double half_range, double side) {
 }  // namespace
 
 PadField pad_field(const PadScene& scene, const PadSolution& solution, std::size_t step) {
-  if (has_free_sides(scene.sensor)) throw ValueError("sides", "free", "held: the field is that of an endless layer");
+  if (!side_rules(scene.sensor).knows_inside)
+    throw ValueError("sides", "free", "held: the field is that of an endless layer");
   if (!scene.sensor.layers.empty())
     throw ValueError("sensor.layers", std::to_string(scene.sensor.layers.size()) + " layers",
                      "left out: the field is that of one layer");

@@ -148,7 +148,7 @@ std::size_t marker_count(const std::optional<Markers>& markers) {
 }
 
 void validate(const Markers& markers, const PadSensor& sensor) {
-  if (has_free_sides(sensor))
+  if (!side_rules(sensor).knows_inside)
     throw ValueError("markers", "of a pad with free sides", "left out; or sensor.sides = \"held\"");
   if (!sensor.layers.empty()) throw ValueError("markers", "beside sensor.layers", "left out: they lie in one layer");
   require(markers.depth >= 0 && markers.depth < sensor.thickness, "markers.depth", markers.depth,

@@ -5,13 +5,10 @@
 #include <cmath>
 
 #include "fem/pad/pad_markers.h"
+#include "fem/pad/side_kernel.h"
 
 namespace tactel::fem {
-namespace {
-
-constexpr int most_with_sides = 32;  ///< cells along a side: their table has 9 cells^2 numbers
-
-}  // namespace
+namespace {}  // namespace
 
 AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
   AnswerError e;
@@ -52,13 +49,13 @@ PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) 
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {
-  const int cells = has_free_sides(scene.sensor) ? std::min(options_.cells, most_with_sides) : options_.cells;
+  const SideRules rules = side_rules(scene.sensor);
+  const int cells = std::min(options_.cells, rules.most_cells);
   PadReferenceSolution answer{solve_on(cells, 1, scene), {}};
   const PadSolution a = solve_on(cells / 2, 1, scene), b = solve_on(cells / 2, 2, scene);
   answer.error = pad_difference(a, answer.solution);
   auto& e = answer.error;
-  const double order = has_free_sides(scene.sensor) ? 1 : 1.5;  // tractions at bonded sides are singular
-  for (const auto member : pad_error_members) e.*member /= std::exp2(order) - 1;
+  for (const auto member : pad_error_members) e.*member /= std::exp2(rules.order) - 1;
   for (std::size_t k = 0; k < a.steps.size(); ++k) {
     const PadStep &few = a.steps[k], &many = b.steps[k];
     PadStep& step = answer.solution.steps[k];

@@ -223,12 +223,6 @@ PadIndenter aligned(PadIndenter indenter, const PadSensor& sensor) {
   return over_skin(std::move(indenter), sensor);
 }
 
-PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
-  PadScene seen = scene;
-  seen.indenter = aligned(scene.indenter, scene.sensor);
-  return lay_cells(find_pad_contact(seen, layer), seen, cells, ladder);
-}
-
 namespace {
 
 /// Makes a box sharp to shared cells, which do not resolve its rounding.
@@ -249,9 +243,10 @@ bool lies_on_pad(const PadCells& cells, const PadScene& scene) {
 
 }  // namespace
 
-PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cells, const PadSides& sides) {
+PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder, const PadSides& sides) {
   PadScene seen = scene;
   seen.indenter = aligned(scene.indenter, scene.sensor);
+  if (!sides.free()) return lay_cells(find_pad_contact(seen, layer), seen, cells, ladder);
   if (is_round(seen.indenter)) seen.indenter.yaw = 0;
   const auto lay = [&](double turn) {
     const PadFrame frame{turn, rubber_along(scene.sensor, seen.indenter, seen.indenter.yaw + turn), sides};
@@ -289,8 +284,7 @@ Eigen::ArrayXd gaps(const Window& window, double depth, const PadScene& scene, c
   Eigen::ArrayXd gap(n * n);
   for (int i = 0; i < n * n; ++i) {
     const Eigen::Vector2d at = window.place(i), own = turn * at;
-    const bool rubber =
-        !frame.sides.kernel || on_pad(scene.sensor, scene.indenter, scene.indenter.yaw + frame.turn, at[0], at[1]);
+    const bool rubber = on_pad(scene.sensor, scene.indenter, scene.indenter.yaw + frame.turn, at[0], at[1]);
     gap[i] = rubber ? pad_height(scene.indenter, own[0], own[1]) - depth : nowhere.left;
   }
   return gap;
@@ -304,7 +298,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
   // An indenter that touches nothing: some cells below its lowest part.
   const PadBox section = turned(rigid_section(scene.indenter, depth > 0 ? depth : 1e-6 * H), -frame.turn);
   PadBox window{clipped(section.x, edges.x), clipped(section.y, edges.y)};
-  if (frame.sides.kernel) {
+  if (frame.sides.free()) {
     window = {on_rubber(window.x, frame.rubber.x, least_window * H),
               on_rubber(window.y, frame.rubber.y, least_window * H)};
     edges = {on_rubber(edges.x, frame.rubber.x, least_window * H),
@@ -316,7 +310,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
     const double hx = (window.x.right - window.x.left) / n, hy = (window.y.right - window.y.left) / n;
     const Eigen::MatrixXd c = layer.normal_influence(H, hx, hy, n);
     Eigen::ArrayXd gap(n * n), p;
-    if (frame.sides.kernel) {
+    if (frame.sides.free()) {
       gap = gaps({window}, depth, scene, frame);
       p = press_by_pairs(with_sides(c, {window}, scene, frame), gap);
     } else {
@@ -356,9 +350,10 @@ PadBox rubber_along(const PadSensor& sensor, const PadIndenter& indenter, double
 
 bool on_pad(const PadSensor& sensor, const PadIndenter& indenter, double degrees, double x, double y) {
   constexpr double rounding = 1e-9;
+  const PadBox rubber = rubber_of(sensor);
   const Eigen::Vector2d at = Eigen::Rotation2Dd(radians(degrees)) * Eigen::Vector2d(x, y);
-  return std::abs(at[0] + indenter.position[0]) <= (1 + rounding) * *sensor.length / 2 &&
-         std::abs(at[1] + indenter.position[1]) <= (1 + rounding) * *sensor.width / 2;
+  return std::abs(at[0] + indenter.position[0]) <= (1 + rounding) * rubber.x.right &&
+         std::abs(at[1] + indenter.position[1]) <= (1 + rounding) * rubber.y.right;
 }
 
 PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer, const PadFrame& frame) {

@@ -68,12 +68,10 @@ PadIndenter aligned(PadIndenter indenter, const PadSensor& sensor);
 
 /// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search. With `found`: what
 /// find_pad_contact found for the aligned indenter, which `scene` has.
+/// Beside free sides the ladder does not count: where the indenter's own frame is that of the pad, but for quarter
+/// turns, cells end at the pad's edge. Otherwise they lie within the pad, or have its frame and are shared.
 PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder);
-PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
-
-/// The same on a pad with free sides. Where the indenter's own frame is that of the pad, but for quarter turns, cells
-/// end at the pad's edge. Otherwise they lie within the pad, or have its frame and are shared.
-PadLayout lay_cells_on_pad(const PadScene& scene, const PadLayer& layer, int cells, const PadSides& sides);
+PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder, const PadSides& sides = {});
 
 /// Returns the pad's outline in a frame turned by so many degrees, about the indenter's axis; `everywhere` where they
 /// are no quarter turns.

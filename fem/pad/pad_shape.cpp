@@ -254,14 +254,14 @@ struct Geometry<HeightMap> : AnyShape {
 /// visit(Geometry<S>, shape) for the shape S that it is.
 template <class Visit>
 auto with_geometry(const PadShape& shape, Visit visit) {
-  return std::visit([&visit]<class S>(const S& own) { return visit(Geometry<S>{}, own); }, shape);
+  return std::visit([&visit]<class S>(const S& kind) { return visit(Geometry<S>{}, kind); }, shape);
 }
 
 /// How far the lowest point of a tilted bottom lies below its axis.
 double below(const PadShape& shape, const Tilt& tilt) {
-  return with_geometry(shape, [&tilt](auto geometry, const auto& own) {
+  return with_geometry(shape, [&tilt](auto geometry, const auto& kind) {
     if constexpr (geometry.tilts)
-      return geometry.below(own, tilt);
+      return geometry.below(kind, tilt);
     else
       return 0.0;
   });
@@ -283,11 +283,11 @@ bool is_round(const PadIndenter& indenter) {
 }
 
 PadEdge pad_edge(const PadShape& shape) {
-  return with_geometry(shape, [](auto geometry, const auto& own) { return geometry.edge(own); });
+  return with_geometry(shape, [](auto geometry, const auto& kind) { return geometry.edge(kind); });
 }
 
 void check_shape(const PadShape& shape) {
-  with_geometry(shape, [](auto geometry, const auto& own) { geometry.check(own); });
+  with_geometry(shape, [](auto geometry, const auto& kind) { geometry.check(kind); });
 }
 
 namespace {
@@ -366,7 +366,7 @@ Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x
 }
 
 PadBox pad_edges(const PadShape& shape) {
-  return with_geometry(shape, [](auto geometry, const auto& own) { return geometry.edges(own); });
+  return with_geometry(shape, [](auto geometry, const auto& kind) { return geometry.edges(kind); });
 }
 
 PadBox rigid_section(const PadIndenter& indenter, double depth) {

@@ -104,6 +104,10 @@ PadOptions of_sweeps(PadOptions options, const PadScene& scene) {
   return options;
 }
 
+PadSides sides_of(const PadScene& scene, const PadOptions& options) {
+  return sides_at(scene.sensor, position(scene.indenter), options.side_bricks, options.between_sweeps);
+}
+
 /// The table of a scene with free sides.
 PadTable table_of(const PadLayer& layer, const PadCells& cells, const PadScene& scene, const PadSides& sides) {
   PadTable table(layer, sides, cells, own_to_pad(scene.indenter, cells), position(scene.indenter));
@@ -120,15 +124,13 @@ struct PadWorld {
   Eigen::MatrixXd stress;
 
   PadWorld(const PadLayer& layer, const PadOptions& options, const PadCells& cells, const PadScene& scene) {
-    if (!has_free_sides(scene.sensor)) {
+    const PadSides sides = sides_of(scene, options);
+    if (sides.free())
+      table.emplace(table_of(layer, cells, scene, sides));
+    else
       influence.emplace(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n);
-      stress = base_stress_of_cells(layer, scene, cells);
-      return;
-    }
-    const PadSides sides =
-        sides_at(scene.sensor, position(scene.indenter), options.side_bricks, options.between_sweeps);
-    table.emplace(table_of(layer, cells, scene, sides));
-    stress = base_stress_of_cells(layer, scene, cells, sides);
+    stress =
+        sides.free() ? base_stress_of_cells(layer, scene, cells, sides) : base_stress_of_cells(layer, scene, cells);
   }
   PadContact contact(const PadOptions& options, const PadCells& cells, const PadScene& scene) const {
     const PadOptions sweeps = of_sweeps(options, scene);
@@ -285,7 +287,7 @@ PadSolution PadWalk::walk() {
 
 Eigen::MatrixXd heights_on_pad(const PadCells& cells, const PadScene& scene) {
   Eigen::MatrixXd heights = cell_heights(cells, scene.indenter);
-  if (!has_free_sides(scene.sensor)) return heights;
+  if (std::isinf(rubber_of(scene.sensor).x.right)) return heights;  // everywhere
   for (int i = -1; i <= cells.n; ++i)
     for (int j = -1; j <= cells.n; ++j)
       if (!on_pad(scene.sensor, scene.indenter, cells.frame(scene.indenter), cells.x(i), cells.y(j)))
@@ -524,11 +526,7 @@ PadSolution PadSolver::solve(const PadScene& scene) const {
 }
 
 PadSolution PadSolver::solve_on_grown(const PadScene& scene) const {
-  auto [indenter, cells, depth] = has_free_sides(scene.sensor)
-                                      ? lay_cells_on_pad(scene, layer_, options_.cells,
-                                                         sides_at(scene.sensor, position(scene.indenter),
-                                                                  options_.side_bricks, options_.between_sweeps))
-                                      : lay_cells(scene, layer_, options_.cells, options_.ladder);
+  auto [indenter, cells, depth] = lay_cells(scene, layer_, options_.cells, options_.ladder, sides_of(scene, options_));
   PadScene seen = scene;
   seen.indenter = std::move(indenter);
   for (int growths = 0;; ++growths) {

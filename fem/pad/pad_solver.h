@@ -109,7 +109,7 @@ Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scen
 PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const PadScene& scene, bool ladder);
 
 /// Contact on a pad, fp64, one scene at a time: the twin of the pad kernel. It shares the algorithm with the kernel,
-/// but no code. A pad with free sides (has_free_sides) is solved on a table of its own. Keeps a reference to the layer,
+/// but no code. A pad with free sides is solved on a table of its own. Keeps a reference to the layer,
 /// which must be that of the scenes (pad_layer).
 class PadSolver {
  public:

@@ -28,9 +28,9 @@ SteppedContact::SteppedContact(const PadLayer& layer, const PadSensor& sensor, c
     : sensor_(sensor), cells_(cells), options_(options) {
   const Eigen::MatrixXd open =
       with_ring(Eigen::ArrayXd::Constant(cells.count(), std::numeric_limits<double>::infinity()), cells);
-  if (has_free_sides(sensor)) {
-    table_ = std::make_shared<const PadTable>(layer, sides_at(sensor, {0, 0}, SideBricks::usual), cells,
-                                              Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
+  if (const PadSides sides = sides_at(sensor, {0, 0}, SideBricks::usual); sides.free()) {
+    table_ =
+        std::make_shared<const PadTable>(layer, sides, cells, Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
     contact_ = std::make_unique<PadContact>(*table_, cells, open, mu, options);
   } else {
     influence_ = std::make_shared<const PadInfluence>(layer, sensor.thickness, cells.hx, cells.hy,

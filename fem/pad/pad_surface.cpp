@@ -50,11 +50,6 @@ void add_skin(const PadSensor& sensor, const PadCells& cells, Eigen::Ref<Eigen::
     heights[i] += fall_of_skin(sensor, cells.x(i / cells.ny()), cells.y(i % cells.ny()));
 }
 
-PadBox rubber_of(const PadSensor& sensor) {
-  if (!has_free_sides(sensor)) return everywhere;
-  return {{-*sensor.length / 2, *sensor.length / 2}, {-*sensor.width / 2, *sensor.width / 2}};
-}
-
 PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,
                        bool free_sides) {
   const bool sharp = pad_edge(indenter.shape) == PadEdge::sharp;

@@ -32,9 +32,6 @@ PadSurface pad_surface(const PadCells& cells, const PadIndenter& indenter, std::
 /// Adds what a curved skin falls (fall_of_skin) to the heights of an object, [cells] mm, which are then above the skin.
 void add_skin(const PadSensor& sensor, const PadCells& cells, Eigen::Ref<Eigen::ArrayXd> heights);
 
-/// Returns the surface of a pad: its box where the sides are free, else everywhere.
-PadBox rubber_of(const PadSensor& sensor);
-
 /// Returns the least height, mm, of an indenter as above over rubber beyond the grid, of places in a ring of cells
 /// around it and the one that is nearest to the axis; +infinity: no object or no rubber is there.
 double height_beyond(const PadCells& cells, const PadIndenter& indenter, std::array<double, 2> place, double yaw,

@@ -128,6 +128,15 @@ bool has_free_sides(const PadSensor& sensor) {
   return sensor.sides == Sides::free && sensor.length.has_value() && sensor.width.has_value();
 }
 
+SideRules side_rules(const PadSensor& sensor) {
+  return has_free_sides(sensor) ? SideRules{Sides::free, 32, 1, false} : SideRules{};
+}
+
+PadBox rubber_of(const PadSensor& sensor) {
+  if (!has_free_sides(sensor)) return everywhere;
+  return {{-*sensor.length / 2, *sensor.length / 2}, {-*sensor.width / 2, *sensor.width / 2}};
+}
+
 namespace {
 
 /// Sides of the block that contacts on a pad see, over H.
@@ -155,6 +164,7 @@ double seconds_for_sides(const PadSensor& sensor, SideBricks judge) {
 PadSides sides_at(const PadSensor& sensor, const Eigen::Vector2d& place, SideBricks bricks,
                   const std::function<void()>& between) {
   PadSides at{.thickness = sensor.thickness};
+  if (!has_free_sides(sensor)) return at;
   const std::array<double, 2> sides = block_of(sensor);
   const std::array whole{sensor.length.value(), sensor.width.value()};
   for (const int axis : {0, 1}) {

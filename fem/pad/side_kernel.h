@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "fem/mesh/condensation.h"
@@ -76,18 +77,31 @@ class SideKernel {
 /// Whether the sides of a pad are free in its model.
 bool has_free_sides(const PadSensor& sensor);
 
+/// What the sides of a pad mean to those who solve it.
+struct SideRules {
+  Sides sides = Sides::held;
+  int most_cells = std::numeric_limits<int>::max();  ///< along a side: tables of free sides have 9 cells^2 numbers
+  double order = 1.5;        ///< of the error in the size of cells: 1 where tractions at bonded sides are singular
+  bool knows_inside = true;  ///< displacements and stresses between surface and base
+};
+SideRules side_rules(const PadSensor& sensor);
+
+/// Returns the surface of a pad: its box where the sides are free, else everywhere.
+PadBox rubber_of(const PadSensor& sensor);
+
 /// Returns about how long the tables of a pad's free sides take to make, s on one core: of usual bricks, of others to
 /// judge by, and of the base. Those that files of the cache hold take none, and so do held sides.
 double seconds_for_sides(const PadSensor& sensor, SideBricks judge);
 
-/// The free sides of a pad, where a contact on it lies. Of pads longer than longest_block H the contact sees a block of
-/// that length, flush with the nearer side.
+/// The free sides of a pad, where a contact on it lies; none of one whose sides are held. Of pads longer than
+/// longest_block H the contact sees a block of that length, flush with the nearer side.
 struct PadSides {
   std::shared_ptr<const SideKernel> kernel{};
   std::shared_ptr<const SideBase> base{};  ///< of the cells of a kernel of usual bricks
   double thickness = 1;                    ///< mm
   Eigen::Vector2d middle{0, 0};            ///< mm on the pad: the block's
 
+  bool free() const { return kernel != nullptr; }
   Eigen::Vector2d in_block(const Eigen::Vector2d& place) const { return (place - middle) / thickness; }
 };
 inline constexpr double longest_block = 12;  ///< H

@@ -24,11 +24,11 @@ Rubber rubber(const std::vector<RubberLayer>& layers, double thickness, double y
   Rubber all{poisson};
   for (const RubberLayer& layer : layers) {
     RubberLayer* below = all.layers.empty() ? nullptr : &all.layers.back();
-    const RubberLayer own{layer.thickness / thickness, layer.young / young, layer.poisson};
-    if (below != nullptr && below->young == own.young && below->poisson == own.poisson)
-      below->thickness += own.thickness;
+    const RubberLayer scaled{layer.thickness / thickness, layer.young / young, layer.poisson};
+    if (below != nullptr && below->young == scaled.young && below->poisson == scaled.poisson)
+      below->thickness += scaled.thickness;
     else
-      all.layers.push_back(own);
+      all.layers.push_back(scaled);
   }
   if (all.layers.size() == 1) all.layers.clear();
   return all;
@@ -49,10 +49,10 @@ void check_layers(const std::vector<RubberLayer>& layers, double thickness, doub
     require(E <= largest_ratio * softest, place + "young", E, "1e4 times that of the softest layer or less");
     require(nu >= 0 && nu <= 0.5, place + "poisson", nu, "a Poisson's ratio, 0 <= poisson <= 0.5");
   }
-  for (const auto& [member, own, given] :
+  for (const auto& [member, number, given] :
        {std::tuple{"sensor.thickness", thickness, sum}, std::tuple{"sensor.young", young, layers.back().young},
         std::tuple{"sensor.poisson", poisson, layers.back().poisson}})
-    require(own == given, member, own, "left out beside sensor.layers");
+    require(number == given, member, number, "left out beside sensor.layers");
 }
 
 double shear_length(const std::vector<RubberLayer>& layers) {

@@ -39,6 +39,8 @@ inline constexpr auto numbers<PadIndenter> = std::tuple{
            "MPa; None: rigid", false},
     Number{"poisson", "1", &PadIndenter::poisson, "a number with 0 <= poisson <= 0.5", "", false}};
 
+inline bool tilts(const Shape&) { return false; }  ///< as those of pads do (pad_scene.h)
+
 /// Returns the sensor with the span that its tactels have where none is given.
 inline Sensor with_span(Sensor sensor) {
   sensor.tactel_span = sensor.span();

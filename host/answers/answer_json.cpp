@@ -12,28 +12,32 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A value of a quantity: numbers, null, words, lists of them, or residuals.
+// A value of a quantity: numbers, null, words, lists of them, or residuals.
 template <class Value>
 Json json_of(const Value& value) {
-  if constexpr (requires { residuals(value); }) {
-    Json all;
-    each(residuals(value), [&](const auto& law) { all[law.key] = law.value; });
-    return all;
-  } else if constexpr (requires { value.rowwise(); }) {  // of Eigen
-    Json all = Json::array();
-    for (Eigen::Index i = 0; i < value.rows(); ++i)
-      if constexpr (Value::ColsAtCompileTime == 2)
-        all.push_back({value(i, 0), value(i, 1)});
-      else if constexpr (Value::ColsAtCompileTime == 3)
-        all.push_back({value(i, 0), value(i, 1), value(i, 2)});
-      else
-        all.push_back(value(i));
-    return all;
-  } else if constexpr (requires { value.has_value(); }) {
-    return value ? Json(*value) : Json();
-  } else {
-    return value;
+  return value;
+}
+template <class Value>
+Json json_of(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
+template <class Law>
+requires requires(const Law& law) { residuals(law); }
+Json json_of(const Law& law) {
+  Json all;
+  each(residuals(law), [&](const auto& residual) { all[residual.key] = residual.value; });
+  return all;
+}
+template <class Matrix>
+requires requires(const Matrix& of) { of.rowwise(); }
+Json json_of(const Matrix& matrix) {
+  Json all = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index k = 0; k < matrix.cols(); ++k) row.push_back(matrix(i, k));
+    all.push_back(matrix.cols() == 1 ? row.front() : std::move(row));
   }
+  return all;
 }
 Json json_of(const fem::Degrees& angle) { return fem::clean_degrees(angle.radians); }
 Json json_of(const std::vector<fem::GapStatus>& statuses) {
@@ -51,9 +55,9 @@ Json steps_json(const std::vector<Step>& steps, bool base, bool shear) {
     each(quantities<false>(step), [&, &json = all.emplace_back()](const auto& quantity) {
       const std::string_view key = quantity.key;
       if (OfPad<Step> && !shear && key.starts_with("tau")) return;
-      if constexpr (requires { quantity.value.size(); })
-        if (std::string_view(quantity.extent).starts_with("markers") && quantity.value.size() == 0) return;  // none
-      json[quantity.key] = !base && key.starts_with("base") ? Json::array() : json_of(quantity.value);
+      Json value = !base && key.starts_with("base") ? Json::array() : json_of(quantity.value);
+      if (std::string_view(quantity.extent).starts_with("markers") && value.empty()) return;  // none
+      json[quantity.key] = std::move(value);
     });
   return all;
 }

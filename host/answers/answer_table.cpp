@@ -34,18 +34,19 @@ double without_rounding(double Q, double P) { return std::abs(Q) < 1e-6 * P ? 0 
 
 namespace {
 
+std::string friction_of(const fem::Scene& scene) { return fmt::format("{:g}", scene.friction); }
+std::string friction_of(const fem::PadScene& scene) {
+  return scene.friction_map ? fem::friction_text(scene) : fmt::format("{:g}", scene.friction);
+}
+
 /// `rubber`: "20 x 2". `model`: with its rung.
 std::string header(const auto& outcome, const std::string& rubber, const std::string& model) {
   const auto& [scene, s] = std::tie(outcome.scene, outcome.scene.sensor);
-  std::string layers;
-  if constexpr (requires { s.layers; })
-    if (!s.layers.empty()) layers = fmt::format("{} layers, at the surface ", s.layers.size());
-  std::string mu = fmt::format("{:g}", scene.friction);
-  if constexpr (requires { scene.friction_map; })
-    if (scene.friction_map) mu = fem::friction_text(scene);
+  const std::string layers = s.layers.empty() ? "" : fmt::format("{} layers, at the surface ", s.layers.size());
   return fmt::format("{}{}{} on {} mm of rubber, {}E = {:g} MPa, nu = {:g}, mu = {}\n{}, solver {}, {}\n{}\n\n",
                      scene.title, scene.title.empty() ? "" : "\n", fem::shape_name(scene.indenter.shape), rubber,
-                     layers, s.young, s.poisson, mu, model, outcome.solver, outcome.precision, outcome.device);
+                     layers, s.young, s.poisson, friction_of(scene), model, outcome.solver, outcome.precision,
+                     outcome.device);
 }
 
 // ---- of a line

@@ -13,6 +13,7 @@
 #include "fem/layer/patch_reference.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
+#include "fem/pad/side_kernel.h"
 #include "host/answers/answer_forms.h"
 #include "host/answers/step_quantities.h"
 #include "host/support/seconds.h"
@@ -257,11 +258,10 @@ Convergence converge(const PadOutcome& outcome, std::size_t step, const RungProg
   const auto solve = [&](int cells) {
     return fem::PadReference(layer, fem::pad_reference_options(cells)).solve(outcome.scene).solution;
   };
-  // The reference takes 32 cells at most where sides are free.
-  const bool free_sides = fem::has_free_sides(outcome.scene.sensor);
   const std::initializer_list<int> all = {16, 24, 32, 48, 64}, fewer = {12, 16, 20, 24, 32};
-  Convergence found = judged<fem::PadSolution>(outcome.solution, step, free_sides ? fewer : all, "{0} x {0} cells",
-                                               1e-5, solve, progress);
+  const bool has_all = fem::side_rules(outcome.scene.sensor).most_cells >= 64;
+  Convergence found =
+      judged<fem::PadSolution>(outcome.solution, step, has_all ? all : fewer, "{0} x {0} cells", 1e-5, solve, progress);
   found.h = cell_size(outcome.solution);
   return found;
 }

@@ -26,8 +26,8 @@ constexpr double least_of_map = 0.2;  ///< this over the cells along a side
 /// Both solutions beside free sides may miss this much more: of bricks at the sides, which they share at the base, and
 /// of edges on them.
 AnswerError least_beside_sides(const fem::PadScene& scene) {
-  const PadClass of = pad_class(scene);
-  const double P = of == PadClass::smooth || of == PadClass::height_map ? 0.01 : 0.015;
+  const PadClass kind = pad_class(scene);
+  const double P = kind == PadClass::smooth || kind == PadClass::height_map ? 0.01 : 0.015;
   return {.S = 0.006, .P = P, .Q = 0.02, .M = 0.02, .sigma = 0.03, .tau = 0.04};
 }
 

@@ -6,6 +6,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_reference.h"
+#include "fem/pad/side_kernel.h"
 #include "host/answers/solve.h"
 #include "host/contact/limits.h"
 #include "host/contact/pads/pad_stream.h"
@@ -34,10 +35,10 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
   outcome.solver = "batched";
-  outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
   outcome.device = device.name;
   PadModel model = model_of(outcome.rung);
-  if (outcome.precision == "fp64") model.precision = Precision::fp64;
+  model.precision = precision_named(options.precision, device.fp64 ? Precision::fp64 : Precision::fp32);
+  outcome.precision = name(model.precision);
   if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
   outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
 }
@@ -91,12 +92,11 @@ void solve_on_rung(PadOutcome& outcome, const PadRung& rung, const SolveOptions&
 }
 
 /// Whether a second solution on one of ever more cells says that the answer keeps the accuracy; without any, the class
-/// of the scene says it. Tables of free sides have 9 cells^2 numbers.
+/// of the scene says it.
 bool keeps_accuracy(PadOutcome& outcome, PadJudge& judge) {
-  constexpr int most_with_sides = 32;
   bool judged = false;
   for (const int cells : PadJudge::cells(outcome.rung)) {
-    if (cells > most_with_sides && fem::has_free_sides(outcome.scene.sensor)) continue;
+    if (cells > fem::side_rules(outcome.scene.sensor).most_cells) continue;
     if (!state_error(outcome, judge, cells)) continue;
     if (outcome.kept()) return true;
     judged = true;

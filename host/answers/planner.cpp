@@ -42,8 +42,8 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
     }
     const bool outside = outside_the_mix(scenes[i], answers[i]) || outside_the_mix(scenes[i], finer[i]);
     differences.push_back(error);
-    const auto besides = [&](const Rung& of, const fem::ContactSolution& answer) {
-      return of.exact ? 0 : model_error(scenes[i], answer);
+    const auto besides = [&](const Rung& on, const fem::ContactSolution& answer) {
+      return on.exact ? 0 : model_error(scenes[i], answer);
     };
     estimates.push_back(std::min(1.0, expected_error(low, error.S, outside) + besides(rung, answers[i])));
     next_estimates.push_back(std::min(1.0, expected_next_error(low, error.S, outside) + besides(next, finer[i])));

@@ -16,6 +16,7 @@ std::vector<std::string> warnings(const PadOutcome& outcome);
 
 /// Returns true where a drag until sliding ended without sliding.
 bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution);
+inline bool never_slid(const fem::PadScene&, const fem::PadSolution&) { return false; }
 
 /// Returns "load step 2" or "load steps 1 to 3, 5" of increasing numbers, at least one, that count from 1.
 std::string steps_text(const std::vector<std::size_t>& numbers);

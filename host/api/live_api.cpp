@@ -318,9 +318,9 @@ std::vector<DeviceInfo> devices() {
     const int taken = host::default_device(found);
     std::vector<DeviceInfo> all;
     all.reserve(found.size());
-    for (const host::DeviceInfo& one : found)
-      all.push_back({one.index, one.name, one.platform, host::name(one.type), one.compute_units, host::memory_of(one),
-                     one.fp64, one.index == taken});
+    for (const host::DeviceInfo& device : found)
+      all.push_back({device.index, device.name, device.platform, host::name(device.type), device.compute_units,
+                     host::memory_of(device), device.fp64, device.index == taken});
     return all;
   });
 }

@@ -22,21 +22,16 @@ struct PadStepper::State {
   /// Calls function with the stepper of the precision.
   template <class Function>
   auto with(const Function& function) {
-    if (auto* of = std::get_if<host::PadStepper<double>>(&steps)) return function(*of);
+    if (auto* stepper = std::get_if<host::PadStepper<double>>(&steps)) return function(*stepper);
     return function(std::get<host::PadStepper<float>>(steps));
   }
 
   State(const Pad& given, std::size_t count, std::span<const double> friction, const StepOptions& options)
-      : executor(host::Device(options.device)),
-        pad(with_layers(given)),
-        count(count),
-        rubber(fem::rubber_of(pad)),
-        free_sides(fem::has_free_sides(pad)) {
-    if (options.precision == "fp64")
-      steps.emplace<host::PadStepper<double>>(executor, pad, count, friction, options);
-    else
-      steps.emplace<host::PadStepper<float>>(executor, pad, count, friction, options);
-    with([&](auto& of) { cells = of.cells(), tactels = of.tactels(); });
+      : executor(host::Device(options.device)), pad(with_layers(given)), count(count), rubber(fem::rubber_of(pad)) {
+    host::in_precision(host::precision_named(options.precision), [&]<class Real>() {
+      steps.emplace<host::PadStepper<Real>>(executor, pad, count, friction, options);
+    });
+    with([&](auto& stepper) { cells = stepper.cells(), tactels = stepper.tactels(); });
     places.resize(3 * count);
   }
 
@@ -51,7 +46,6 @@ struct PadStepper::State {
   std::size_t count, tactels = 0;
   fem::PadCells cells;
   fem::PadBox rubber;
-  bool free_sides;
   std::variant<std::monostate, host::PadStepper<float>, host::PadStepper<double>> steps;
   std::vector<fem::PadIndenter> indenters;  ///< one, or [count]; empty: gaps
   std::vector<double> places;               ///< [count][3]
@@ -66,19 +60,20 @@ void PadStepper::State::put_shapes(std::span<const double> pose) {
   if (indenters.empty()) return;
   std::vector<double> axes(2 * count), now(3 * count);
   const bool known = put.size() == now.size();
-  with([&](auto& of) {
+  with([&](auto& stepper) {
     for (std::size_t c = 0; c < count; ++c) {
       for (std::size_t k = 0; k < 3; ++k) now[3 * c + k] = places[3 * c + k] + (pose.empty() ? 0 : pose[4 * c + 1 + k]);
       axes[2 * c] = now[3 * c], axes[2 * c + 1] = now[3 * c + 1];
       if (known && std::equal(&now[3 * c], &now[3 * c] + 3, &put[3 * c])) continue;
       const fem::PadIndenter& indenter = indenters[indenters.size() == 1 ? 0 : c];
       const std::array place{now[3 * c], now[3 * c + 1]};
-      fem::PadSurface surface = fem::pad_surface(cells, indenter, place, now[3 * c + 2], free_sides);
+      fem::PadSurface surface = fem::pad_surface(cells, indenter, place, now[3 * c + 2], stepper.of_means());
       fem::add_skin(pad, cells, surface.height);
       const double beyond = fem::height_beyond(cells, indenter, place, now[3 * c + 2], rubber);
-      of.set_surface(c, surface, beyond + fem::fall_of_skin(pad, std::min(cells.x(cells.n), cells.y(cells.ny())), 0));
+      stepper.set_surface(c, surface,
+                          beyond + fem::fall_of_skin(pad, std::min(cells.x(cells.n), cells.y(cells.ny())), 0));
     }
-    of.set_axes(axes);
+    stepper.set_axes(axes);
   });
   put = std::move(now);
 }
@@ -89,23 +84,23 @@ template <class Step>
 void PadStepper::State::step(const Step& step, std::span<const std::uint8_t> mask) {
   constexpr std::size_t few = 256;
   const host::StopScope scope(count >= few ? host::StopScope::current() : nullptr);
-  with([&](auto& of) {
-    if (mask.empty() && !host::StopScope::current()) return step(of);
-    const auto kept = of.keep();
+  with([&](auto& stepper) {
+    if (mask.empty() && !host::StopScope::current()) return step(stepper);
+    const auto kept = stepper.keep();
     try {
-      step(of);
+      step(stepper);
     } catch (const Stopped&) {
-      of.put_back(kept);
+      stepper.put_back(kept);
       throw;
     }
-    if (!mask.empty()) of.put_back(kept, mask);
+    if (!mask.empty()) stepper.put_back(kept, mask);
   });
   take_answer();
 }
 
 void PadStepper::State::take_answer() {
-  with([&](auto& of) {
-    const auto rows = of.results();
+  with([&](auto& stepper) {
+    const auto rows = stepper.results();
     const auto number = [&](std::size_t c, int row) {
       return static_cast<float>(rows[c * STEP_RESULT_ROWS + static_cast<std::size_t>(row)]);
     };
@@ -143,7 +138,7 @@ std::size_t PadStepper::count() const { return state_->count; }
 std::size_t PadStepper::tactels() const { return state_->tactels; }
 std::string PadStepper::device() const { return state_->executor.device().info().name; }
 const StepOptions& PadStepper::options() const {
-  return *state_->with([](auto& of) { return &of.options(); });
+  return *state_->with([](auto& stepper) { return &stepper.options(); });
 }
 
 std::vector<double> PadStepper::cell_x() const {
@@ -160,11 +155,11 @@ std::vector<double> PadStepper::cell_y() const {
 }
 
 void PadStepper::set_dt(double dt) {
-  api::with_public_errors([&] { state_->with([&](auto& of) { of.set_dt(dt); }); });
+  api::with_public_errors([&] { state_->with([&](auto& stepper) { stepper.set_dt(dt); }); });
 }
 
 void PadStepper::set_friction(std::span<const double> friction) {
-  api::with_public_errors([&] { state_->with([&](auto& of) { of.set_friction(friction); }); });
+  api::with_public_errors([&] { state_->with([&](auto& stepper) { stepper.set_friction(friction); }); });
 }
 
 void PadStepper::set_shapes(std::span<const PadIndenter> indenters) {
@@ -216,9 +211,9 @@ void PadStepper::set_gaps(std::span<const float> gaps, std::span<const float> co
       s.depths[c] = -lowest;
       for (std::size_t i = c * cells; i < (c + 1) * cells; ++i) heights[i] -= lowest;
     }
-    s.with([&](auto& of) {
-      of.set_heights(std::span<const double>(heights), std::span<const double>(covers));
-      of.set_axes(std::vector<double>(2 * s.count));
+    s.with([&](auto& stepper) {
+      stepper.set_heights(std::span<const double>(heights), std::span<const double>(covers));
+      stepper.set_axes(std::vector<double>(2 * s.count));
     });
     s.indenters.clear(), s.put.clear();
   });
@@ -231,7 +226,7 @@ const StepAnswer& PadStepper::move(std::span<const double> pose, bool travel) {
     s.put_shapes(travel ? pose : std::span<const double>());
     std::vector<double> to(pose.begin(), pose.end());
     for (std::size_t c = 0; c < s.count; ++c) to[4 * c + 3] = fem::radians(to[4 * c + 3]);
-    s.step([&](auto& of) { of.move(to); });
+    s.step([&](auto& stepper) { stepper.move(to); });
   });
   return s.answer;
 }
@@ -242,14 +237,14 @@ const StepAnswer& PadStepper::move_by(std::span<const double> motion) {
     host::check_size("motion", motion.size(), 3 * s.count);
     if (s.depths.empty()) throw ValueError("gaps", "none", "given before a motion");
     std::vector<double> to(4 * s.count);
-    s.step([&](auto& of) {
-      const std::vector<double> from = of.poses();
+    s.step([&](auto& stepper) {
+      const std::vector<double> from = stepper.poses();
       for (std::size_t c = 0; c < s.count; ++c) {
         to[4 * c] = s.depths[c];
         for (std::size_t k = 0; k < 2; ++k) to[4 * c + 1 + k] = from[4 * c + 1 + k] + motion[3 * c + k];
         to[4 * c + 3] = from[4 * c + 3] + fem::radians(motion[3 * c + 2]);
       }
-      of.move(to);
+      stepper.move(to);
     });
   });
   return s.answer;
@@ -264,7 +259,7 @@ const StepAnswer& PadStepper::press(std::span<const double> wrench, std::span<co
     std::vector<double> to(wrench.begin(), wrench.end());
     for (std::size_t c = 0; c < mask.size(); ++c)
       if (mask[c] == 0) std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, 0.0);  // open: soon done
-    s.step([&](auto& of) { of.press(to); }, mask);
+    s.step([&](auto& stepper) { stepper.press(to); }, mask);
   });
   return s.answer;
 }
@@ -274,7 +269,7 @@ const StepAnswer& PadStepper::answer() const { return state_->answer; }
 /// Sums of the stepper; those of fp64 are kept in `own`.
 std::span<const float> PadStepper::State::sums(const auto& get, std::vector<float>& own) {
   return api::with_public_errors([&]() -> std::span<const float> {
-    if (auto* of = std::get_if<host::PadStepper<float>>(&steps)) return get(*of);
+    if (auto* stepper = std::get_if<host::PadStepper<float>>(&steps)) return get(*stepper);
     const auto all = get(std::get<host::PadStepper<double>>(steps));
     own.assign(all.begin(), all.end());
     return own;
@@ -282,11 +277,11 @@ std::span<const float> PadStepper::State::sums(const auto& get, std::vector<floa
 }
 
 std::span<const float> PadStepper::frames() {
-  return state_->sums([](auto& of) { return of.frames(); }, state_->frames);
+  return state_->sums([](auto& stepper) { return stepper.frames(); }, state_->frames);
 }
 
 std::span<const float> PadStepper::markers() {
-  return state_->sums([](auto& of) { return of.markers(); }, state_->displacements);
+  return state_->sums([](auto& stepper) { return stepper.markers(); }, state_->displacements);
 }
 
 std::vector<float> PadStepper::pixels() {
@@ -302,31 +297,31 @@ std::vector<float> PadStepper::pixels() {
 }
 
 std::vector<double> PadStepper::tractions() const {
-  return api::with_public_errors([&] { return state_->with([](auto& of) { return of.tractions(); }); });
+  return api::with_public_errors([&] { return state_->with([](auto& stepper) { return stepper.tractions(); }); });
 }
 
 void PadStepper::reset() {
-  api::with_public_errors([&] { state_->with([](auto& of) { of.reset(); }); });
+  api::with_public_errors([&] { state_->with([](auto& stepper) { stepper.reset(); }); });
 }
 void PadStepper::reset(std::span<const std::uint8_t> mask) {
-  api::with_public_errors([&] { state_->with([&](auto& of) { of.reset(mask); }); });
+  api::with_public_errors([&] { state_->with([&](auto& stepper) { stepper.reset(mask); }); });
 }
 
 std::size_t PadStepper::state_size() const {
-  return state_->with([](auto& of) { return of.state_rows(); });
+  return state_->with([](auto& stepper) { return stepper.state_rows(); });
 }
 std::vector<double> PadStepper::state(std::span<const std::size_t> contacts) const {
   return api::with_public_errors([&] {
-    return state_->with([&](auto& of) {
-      const auto all = of.state(contacts);
+    return state_->with([&](auto& stepper) {
+      const auto all = stepper.state(contacts);
       return std::vector<double>(all.begin(), all.end());
     });
   });
 }
 void PadStepper::set_state(std::span<const double> state, std::span<const std::size_t> contacts) {
   api::with_public_errors([&] {
-    if (auto* of = std::get_if<host::PadStepper<float>>(&state_->steps))
-      of->set_state(std::vector<float>(state.begin(), state.end()), contacts);
+    if (auto* stepper = std::get_if<host::PadStepper<float>>(&state_->steps))
+      stepper->set_state(std::vector<float>(state.begin(), state.end()), contacts);
     else
       std::get<host::PadStepper<double>>(state_->steps).set_state(state, contacts);
   });

@@ -70,9 +70,9 @@ template <class Kind>
 auto read_kind(const std::string& path, const char* other, const char* own) {
   return with_public_errors([&] {
     const host::AnyScene scene = host::read_any_scene(path);
-    const Kind* one = std::get_if<Kind>(&scene);
-    if (one == nullptr) throw ConfigError(path, "sensor.kind", other, own);
-    return from_fem(*one);
+    const Kind* read = std::get_if<Kind>(&scene);
+    if (read == nullptr) throw ConfigError(path, "sensor.kind", other, own);
+    return from_fem(*read);
   });
 }
 

@@ -40,7 +40,7 @@ class Simulation {
     api::check_precision(options.precision);
     host::SetOptions set;
     const std::optional<host::Rung> rung =
-        std::visit([&](auto& of) { return choose_model(of, options, set); }, source_);
+        std::visit([&](auto& source) { return choose_model(source, options, set); }, source_);
     if (!options.transducer) host::common(source_).measure_with({}, source().seed());
     if (options.tolerance) set.tolerance = *options.tolerance;
     set.precision = host::precision_named(options.precision, set.precision);
@@ -175,7 +175,7 @@ PadScene Sweep::pad_scene(std::uint64_t k) const {
 }
 
 std::vector<bool> Sweep::numbers() const {
-  return std::visit([](const auto& of) { return of.numbers(); }, state_->sweep.source);
+  return std::visit([](const auto& source) { return source.numbers(); }, state_->sweep.source);
 }
 Sweep Sweep::of_quantiles(std::span<const double> quantiles) const {
   if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
@@ -185,8 +185,8 @@ Sweep Sweep::of_quantiles(std::span<const double> quantiles) const {
                      "give " + std::to_string(count) + " for each contact");
   if (!std::ranges::all_of(quantiles, [](double u) { return u >= 0 && u < 1; }))
     throw InputError("quantiles", "one that is NaN, below 0, 1 or above", "give numbers in [0, 1)");
-  auto source =
-      std::visit([&](const auto& of) { return host::AnySource(of.of_quantiles(quantiles)); }, state_->sweep.source);
+  auto source = std::visit([&](const auto& drawn) { return host::AnySource(drawn.of_quantiles(quantiles)); },
+                           state_->sweep.source);
   return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}, false});
 }
 
@@ -205,8 +205,8 @@ Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& o
 }
 
 struct SweepBatches::State {
-  State(const Sweep::State& of, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first)
-      : path(of.path), simulation(of.sweep, options), batch(contacts), next(first) {}
+  State(const Sweep::State& sweep, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first)
+      : path(sweep.path), simulation(sweep.sweep, options), batch(contacts), next(first) {}
   std::string path;
   Simulation simulation;
   std::uint64_t batch, next;

@@ -105,12 +105,9 @@ std::string Network::topology() const { return state_->model->weights.topology.t
 std::uint64_t Network::seed() const { return state_->model->seed; }
 double Network::noise() const { return state_->model->noise; }
 std::uint32_t Network::cycles() const { return state_->model->cycles; }
-Errors Network::learning_errors() const {
-  const nn::ErrorSummary& errors = state_->model->learning_errors;
-  return {errors.max, errors.mean, errors.std, errors.count};
-}
-
 namespace {
+
+Errors from_nn(const nn::ErrorSummary& errors) { return {errors.max, errors.mean, errors.std, errors.count}; }
 
 /// The rows of a set as its networks see them.
 nn::FrameSet shown(const Set& set, const std::string& name, const host::TrainingPlan& plan) {
@@ -122,6 +119,8 @@ nn::FrameSet shown(const Set& set, const std::string& name, const host::Training
 }
 
 }  // namespace
+
+Errors Network::learning_errors() const { return from_nn(state_->model->learning_errors); }
 
 LearningRows learning_rows(const Set& set, const TrainOptions& options) {
   return api::with_public_errors([&] {
@@ -141,8 +140,8 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
     const nn::FrameSet frames = shown(set, options.name, plan);
     if (options.validation != nullptr)
       plan.validation = std::make_shared<nn::FrameSet>(shown(*options.validation, "validation", plan));
-    return options.precision == "fp64" ? trained<double>(frames, plan, options, progress)
-                                       : trained<float>(frames, plan, options, progress);
+    return host::in_precision(host::precision_named(options.precision),
+                              [&]<class Real>() { return trained<Real>(frames, plan, options, progress); });
   });
   std::vector<Network> networks;
   networks.reserve(models.size());
@@ -173,30 +172,20 @@ std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set, std
 }  // namespace
 
 Errors errors(const SlipEstimator& network, const Set& set) {
+  const host::ContactSet all = api::to_host(set);
   const bool markers = !network.metadata("inputs").empty();
-  std::vector<float> moved;  // [rows, markers, x and y]
-  for (std::size_t i = 0; markers && i < set.markers.size(); ++i)
-    if (i % 3 < 2) moved.push_back(set.markers[i]);
-  const std::vector<float>& frames = markers ? moved : set.frames;
+  const int given = host::frame_inputs(all, markers);
   const std::size_t inputs = SlipHistory(network).inputs();
-  const std::size_t given = markers ? moved.size() / std::max<std::size_t>(set.rows(), 1) : set.inputs;
-  if (given != inputs || frames.size() != set.rows() * inputs)
+  if (static_cast<std::size_t>(given) != inputs || !all.has(host::unread(!markers)))
     throw InputError("set", std::to_string(given) + (markers ? " inputs of markers" : " inputs"),
                      "must be " + std::to_string(inputs) + " for the network " + network.topology());
-  const std::vector<Answer> answers = answers_of(network, set, frames);
-  Errors errors;
-  double sum = 0, squares = 0;
+  const std::vector<Answer> answers = answers_of(network, set, host::frames_of(all, markers));
+  std::vector<double> errors;
   for (std::size_t i = 0; i < set.rows(); ++i) {
     const double error = std::abs(double(answers[i].slip_index) - double(set.slip_index[i]));
-    const bool unsolved = i < set.status.size() && set.status[i] == 2;
-    if (unsolved || !std::isfinite(error)) continue;
-    ++errors.rows, sum += error, squares += error * error;
-    errors.largest = std::max(errors.largest, error);
+    if (all.status[i] != host::over_tolerance && std::isfinite(error)) errors.push_back(error);
   }
-  if (errors.rows == 0) return errors;
-  errors.mean = sum / static_cast<double>(errors.rows);
-  errors.deviation = std::sqrt(std::max(0.0, squares / static_cast<double>(errors.rows) - errors.mean * errors.mean));
-  return errors;
+  return from_nn(nn::summarize(errors));
 }
 
 }  // namespace tactel

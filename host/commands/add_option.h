@@ -12,36 +12,36 @@
 
 namespace tactel::host {
 
-/// Adds an option, or a flag where the value is a bool. The help shows the value where there is one and the text names
+/// Whether the help shows a value that is there from the beginning.
+template <class M>
+bool is_shown(const M&) {
+  return std::is_arithmetic_v<M>;
+}
+inline bool is_shown(const std::string& value) { return !value.empty(); }
+
+/// Adds a flag.
+inline CLI::Option* add_option(CLI::App& command, const std::string& names, bool& value, const std::string& help,
+                               const Taken& = {}) {
+  return command.add_flag(names, value, help);
+}
+/// Adds an option. The help shows the value where there is one and the text names
 /// no default. Each value of a list comes with an option of its own.
 template <class M>
 CLI::Option* add_option(CLI::App& command, const std::string& names, M& value, const std::string& help,
                         const Taken& taken = {}) {
   using Number = typename decltype(std::optional(value))::value_type;
-  if constexpr (std::is_same_v<M, bool>) {
-    return command.add_flag(names, value, help);
-  } else {
-    CLI::Option* option = command.add_option(names, value, help);
-    std::vector<std::string> words;
-    for (const char* word : taken.words)
-      if (word != nullptr) words.emplace_back(word);
-    if (!words.empty()) option->check(CLI::IsMember(words));
-    if (taken.positive) option->check(CLI::PositiveNumber);
-    if (taken.type != nullptr) option->type_name(taken.type);
-    if constexpr (std::is_arithmetic_v<Number>) {
-      using Bound = std::conditional_t<std::is_integral_v<Number>, int, Number>;
-      if (taken.most > 0) option->check(CLI::Range(static_cast<Bound>(taken.least), static_cast<Bound>(taken.most)));
-    }
-    const bool names_default = help.find("(default: ") != std::string::npos;
-    if constexpr (std::is_same_v<M, std::string>) {
-      if (!value.empty() && !names_default) option->capture_default_str();
-    } else if constexpr (std::is_arithmetic_v<M>) {
-      if (!names_default) option->capture_default_str();
-    } else if constexpr (!std::is_arithmetic_v<Number>) {
-      option->allow_extra_args(false);
-    }
-    return option;
-  }
+  using Bound = std::conditional_t<std::is_floating_point_v<Number>, Number, int>;
+  CLI::Option* option = command.add_option(names, value, help);
+  std::vector<std::string> words;
+  for (const char* word : taken.words)
+    if (word != nullptr) words.emplace_back(word);
+  if (!words.empty()) option->check(CLI::IsMember(words));
+  if (taken.positive) option->check(CLI::PositiveNumber);
+  if (taken.type != nullptr) option->type_name(taken.type);
+  if (taken.most > 0) option->check(CLI::Range(static_cast<Bound>(taken.least), static_cast<Bound>(taken.most)));
+  if (!std::is_arithmetic_v<Number> && !std::is_same_v<M, std::string>) option->allow_extra_args(false);
+  if (is_shown(value) && help.find("(default: ") == std::string::npos) option->capture_default_str();
+  return option;
 }
 
 /// Adds the options of a table, in its order.

@@ -155,7 +155,7 @@ bool is_recording(const std::string& file) {
 
 int recall_recording(std::span<const NamedNetwork> networks, const std::string& file, const NetworkOptions& shared,
                      const std::string& json, const std::string& rows) {
-  if (shared.precision == "fp64")
+  if (precision_named(shared.precision) == Precision::fp64)
     throw ConfigError("command line", "--precision", "fp64", "fp32 for a recording, as of tactel monitor");
   const Recorded all = read_recording(file);
   Executor executor{Device(shared.device)};

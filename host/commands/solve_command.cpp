@@ -116,7 +116,7 @@ std::string first_tables(const fem::PadSensor& sensor) {
 /// Errors that the answer alone shows get the line of the scene's file.
 PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) try {
   if (!request.field.empty()) check_writable("--field", request.field);
-  if (request.field.ends_with(".vts") && fem::has_free_sides(scene.sensor))
+  if (request.field.ends_with(".vts") && !fem::side_rules(scene.sensor).knows_inside)
     throw ConfigError("command line", "--field", request.field,
                       "a .vtu, of cells: the field in the rubber is that of a pad with held sides");
   if (request.field.ends_with(".vts") && !scene.sensor.layers.empty())
@@ -158,8 +158,7 @@ int solve_scene(const SolveRequest& request, const auto& asked) {
     warn(request,
          of_line ? "some steps missed their tolerance: see the column `met`" : "some steps missed their tolerance");
   if (!outcome.kept()) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
-  if constexpr (of_line)
-    if (never_slid(scene, solution)) return not_converged;
+  if (of_line && never_slid(scene, solution)) return not_converged;
   return converged && outcome.kept() ? done : not_converged;
 }
 

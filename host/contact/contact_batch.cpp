@@ -33,9 +33,9 @@ bool LaneAnswer::solved() const {
 }
 
 template <class Real>
-void LaneScenes<Real>::add(ContactKind of, One scene) {
-  if (scenes.empty()) kind = of;
-  if (of != kind) throw std::invalid_argument("scenes of different kinds in one batch");
+void LaneScenes<Real>::add(ContactKind scene_kind, One scene) {
+  if (scenes.empty()) kind = scene_kind;
+  if (scene_kind != kind) throw std::invalid_argument("scenes of different kinds in one batch");
   scene.targets_at = scenes.empty() ? 0 : scenes.back().targets_at + scenes.back().increments;
   scenes.push_back(scene);
 }
@@ -75,11 +75,11 @@ constexpr int unwritten = -1;
 
 /// Calls of(status) for each step of each scene, until it returns false for one of a scene.
 template <class Real, class Of>
-void each_status(const LaneState<Real>& b, MapFor use, const Of& of) {
+void each_status(const LaneState<Real>& b, MapFor use, const Of& takes) {
   const auto mapped = b.results.numbers.map(use);
   for (const std::size_t i : b.order)
     for (int k = 0; k < b.scenes[i].steps; ++k)
-      if (!of(mapped[b.results.at(b.place[i], static_cast<std::size_t>(k), RESULT_STATUS)])) break;
+      if (!takes(mapped[b.results.at(b.place[i], static_cast<std::size_t>(k), RESULT_STATUS)])) break;
 }
 
 }  // namespace

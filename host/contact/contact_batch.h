@@ -99,9 +99,9 @@ class LaneAnswer {
  private:
   template <class Real>
   friend class LaneView;
-  double number(const Numbers& of, int step, int row) const {
-    const std::size_t at = (static_cast<std::size_t>(step) * of.rows + static_cast<std::size_t>(row)) * stride;
-    return of.fp64 ? static_cast<const double*>(of.from)[at] : double{static_cast<const float*>(of.from)[at]};
+  double number(const Numbers& all, int step, int row) const {
+    const std::size_t at = (static_cast<std::size_t>(step) * all.rows + static_cast<std::size_t>(row)) * stride;
+    return all.fp64 ? static_cast<const double*>(all.from)[at] : double{static_cast<const float*>(all.from)[at]};
   }
   template <class Real, class Number>
   void copy(const Real* from, int step, std::span<Number> to) const {
@@ -111,17 +111,18 @@ class LaneAnswer {
     else
       for (std::size_t k = 0; k < to.size(); ++k) to[k] = static_cast<Number>(from[k * stride]);
   }
-  void fetch(const Numbers& of) const {
+  void fetch(const Numbers& all) const {
     constexpr std::size_t line = 64;
-    const std::size_t bytes = static_cast<std::size_t>(steps) * of.rows * (of.fp64 ? sizeof(double) : sizeof(float));
+    const std::size_t bytes = static_cast<std::size_t>(steps) * all.rows * (all.fp64 ? sizeof(double) : sizeof(float));
     if (stride == 1)
-      for (std::size_t k = 0; k < bytes; k += line) __builtin_prefetch(static_cast<const char*>(of.from) + k);
+      for (std::size_t k = 0; k < bytes; k += line) __builtin_prefetch(static_cast<const char*>(all.from) + k);
   }
-  void fetch_step(const Numbers& of, int step, std::size_t part, std::size_t parts) const {
+  void fetch_step(const Numbers& all, int step, std::size_t part, std::size_t parts) const {
     if (stride == 1 || step >= steps) return;
-    const std::size_t bytes = stride * (of.fp64 ? sizeof(double) : sizeof(float));
-    for (std::size_t row = part; row < of.rows; row += parts)
-      __builtin_prefetch(static_cast<const char*>(of.from) + (static_cast<std::size_t>(step) * of.rows + row) * bytes);
+    const std::size_t bytes = stride * (all.fp64 ? sizeof(double) : sizeof(float));
+    for (std::size_t row = part; row < all.rows; row += parts)
+      __builtin_prefetch(static_cast<const char*>(all.from) +
+                         (static_cast<std::size_t>(step) * all.rows + row) * bytes);
   }
 
   Numbers results_, stresses_, patch_;
@@ -174,7 +175,7 @@ struct LaneScenes {
   };
   std::size_t size() const { return scenes.size(); }
   /// Adds a scene. Throws std::invalid_argument where the kind is not that of the first.
-  void add(ContactKind of, One scene);
+  void add(ContactKind scene_kind, One scene);
 
   ContactKind kind;
   std::vector<One> scenes;

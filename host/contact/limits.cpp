@@ -31,27 +31,22 @@ double missing_at_edge(double distance, double at_near, double at_far) {
   return at_near * std::pow(at_far / at_near, (distance - near) / (far - near));
 }
 
+fem::PadSides sides_below(const fem::PadScene& scene) {
+  return fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]}, fem::SideBricks::usual,
+                       StopScope::checker());
+}
+
 /// Cells of a scene, as the solver lays them.
 fem::PadLayout lay(const fem::PadScene& scene, int cells) {
-  const fem::PadLayer layer = fem::pad_layer(scene);
-  if (fem::has_free_sides(scene.sensor))
-    return fem::lay_cells_on_pad(scene, layer, cells,
-                                 fem::sides_at(scene.sensor, {scene.indenter.position[0], scene.indenter.position[1]},
-                                               fem::SideBricks::usual, StopScope::checker()));
-  fem::PadScene seen = scene;
-  seen.indenter = fem::aligned(scene.indenter, scene.sensor);
-  const fem::PadSearch found = fem::find_pad_contact(seen, layer);
-  fem::PadLayout laid = fem::lay_cells(found, seen, cells, true);
-  laid.depth = found.depth;
-  return laid;
+  return fem::lay_cells(scene, fem::pad_layer(scene), cells, true, sides_below(scene));
 }
 
 }  // namespace
 
 bool reaches_beyond_block(const fem::PadScene& scene, const fem::PadCells& laid) {
   const auto& position = scene.indenter.position;
-  const fem::PadSides sides =
-      fem::sides_at(scene.sensor, {position[0], position[1]}, fem::SideBricks::usual, StopScope::checker());
+  const fem::PadSides sides = sides_below(scene);
+  if (!sides.free()) return false;
   const fem::PadBox box = laid.box();
   const double H = sides.thickness, angle = fem::radians(laid.frame(scene.indenter));
   const std::array whole{*scene.sensor.length, *scene.sensor.width};
@@ -92,7 +87,7 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
     throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
                      fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
                                  cells * least, cells * most, cells * laid.hx, cells * laid.hy));
-  if (fem::has_free_sides(scene.sensor) && reaches_beyond_block(scene, laid))
+  if (reaches_beyond_block(scene, laid))
     throw ValueError(
         "sensor.sides", "free",
         fmt::format("\"held\" here: on a pad longer than {:g} mm ({:g} thicknesses) contacts with "
@@ -107,12 +102,12 @@ void refuse_endless(const fem::PadScene& scene, int cells) {
 
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
                                        const fem::PadBox& reach) {
-  if (fem::has_free_sides(sensor)) return std::nullopt;
+  const fem::PadBox rubber = fem::rubber_of(sensor);  // of the model
   double least = std::numeric_limits<double>::infinity();
-  const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to) {
-    if (side) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
+  const auto along = [&](const std::optional<double>& side, double at, const fem::Interval& to, double end) {
+    if (side && *side / 2 < end) least = std::min(least, *side / 2 - std::max(at + to.right, -at - to.left));
   };
-  along(sensor.length, position[0], reach.x), along(sensor.width, position[1], reach.y);
+  along(sensor.length, position[0], reach.x, rubber.x.right), along(sensor.width, position[1], reach.y, rubber.y.right);
   return reach.x.left < reach.x.right && std::isfinite(least) ? std::optional(least) : std::nullopt;
 }
 

@@ -163,19 +163,19 @@ class StreamOf {
     std::size_t size() const { return places_.size(); }
     std::size_t steps() const {  ///< load steps of all scenes
       std::size_t all = 0;
-      for (const Launched& of : launches_) all += of.launch->steps();
+      for (const Launched& launched : launches_) all += launched.launch->steps();
       return all;
     }
     double seconds() const {  ///< in kernels
       double all = 0;
-      for (const Launched& of : launches_) all += of.launch->seconds();
+      for (const Launched& launched : launches_) all += launched.launch->seconds();
       return all;
     }
     void lay_out() {
-      for (Launched& of : launches_) of.launch->lay_out();
+      for (Launched& launched : launches_) launched.launch->lay_out();
     }
     void run(const RunOptions& options = {}) {
-      for (Launched& of : launches_) of.launch->run(options);
+      for (Launched& launched : launches_) launched.launch->run(options);
     }
     /// Calls visit(i, answer) for all scenes in the order in which memory is read fast. `stresses`: they are read, too.
     template <class Visit>
@@ -207,10 +207,10 @@ class StreamOf {
     };
     /// Where lanes take turns in memory they are read as they lie there; else in the order of the scenes.
     void open() {
-      for (Launched& of : launches_) {
-        of.launch->open();
-        if (of.launch->answer(0).stride == 1) continue;
-        for (const std::size_t i : of.launch->by_lane()) order_.push_back(of.which[i]);
+      for (Launched& launched : launches_) {
+        launched.launch->open();
+        if (launched.launch->answer(0).stride == 1) continue;
+        for (const std::size_t i : launched.launch->by_lane()) order_.push_back(launched.which[i]);
       }
     }
     std::vector<Launched> launches_;
@@ -222,20 +222,20 @@ class StreamOf {
     const std::size_t steps = path.steps.size();
     std::size_t l = part.launches_.size();
     while (l > 0 && part.launches_[l - 1].key != key) --l;
-    const auto full = [&](const auto& of) {
-      return (of.which.size() + 1) * std::max(steps, of.longest) > of.launch->most_lane_steps();
+    const auto full = [&](const auto& launched) {
+      return (launched.which.size() + 1) * std::max(steps, launched.longest) > launched.launch->most_lane_steps();
     };
     if (l == 0 || full(part.launches_[l - 1])) {
-      auto own = solver(key, scene.sensor);
-      auto launch = own->launch();
-      part.launches_.push_back({key, std::move(own), std::move(launch)});
+      auto made = solver(key, scene.sensor);
+      auto launch = made->launch();
+      part.launches_.push_back({key, std::move(made), std::move(launch)});
       l = part.launches_.size();
     }
-    auto& of = part.launches_[l - 1];
-    of.launch->add(scene, path);
-    of.longest = std::max(of.longest, steps);
-    part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(of.which.size())});
-    of.which.push_back(part.places_.size() - 1);
+    auto& launched = part.launches_[l - 1];
+    launched.launch->add(scene, path);
+    launched.longest = std::max(launched.longest, steps);
+    part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(launched.which.size())});
+    launched.which.push_back(part.places_.size() - 1);
   }
   /// Gives the answers of a part that has run: lane() where the certificate holds, then solution(), then lane() of
   /// those with steps that are solved alone. `scene`: returns scene i; `coarse`: which steps of answer i are solved

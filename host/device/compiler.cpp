@@ -294,8 +294,8 @@ class CompilingProcess {
 };
 
 CompilingProcess& compiling_process() {
-  static CompilingProcess* const one = new CompilingProcess;  // never destroyed: it ends when this process does
-  return *one;
+  static CompilingProcess* const process = new CompilingProcess;  // never destroyed: it ends when this process does
+  return *process;
 }
 
 /// Whether a process was stopped, as by Ctrl-Z: it may never go on.

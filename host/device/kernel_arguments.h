@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <bit>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,14 +29,10 @@ bool takes_group(std::string_view source, std::string_view kernel);
 /// Returns the OpenCL C name of a number's type; "" for a struct.
 template <class Value>
 constexpr std::string_view kernel_type() {
-  if constexpr (std::is_same_v<Value, float>) return "float";
-  if constexpr (std::is_same_v<Value, double>) return "double";
-  if constexpr (!std::is_integral_v<Value>) return "";
-  constexpr bool has_sign = std::is_signed_v<Value>;
-  if constexpr (sizeof(Value) == 1) return has_sign ? "char" : "uchar";
-  if constexpr (sizeof(Value) == 2) return has_sign ? "short" : "ushort";
-  if constexpr (sizeof(Value) == 4) return has_sign ? "int" : "uint";
-  return has_sign ? "long" : "ulong";
+  constexpr std::string_view names[2][4] = {{"uchar", "ushort", "uint", "ulong"}, {"char", "short", "int", "long"}};
+  if (std::is_same_v<Value, float>) return "float";
+  if (std::is_same_v<Value, double>) return "double";
+  return std::is_integral_v<Value> ? names[std::is_signed_v<Value>][std::bit_width(sizeof(Value)) - 1] : "";
 }
 
 /// Sets the arguments of a kernel object by name, or by index from 0. Throws std::logic_error (a mistake in the

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "fem/pad/pad_markers.h"
+#include "fem/pad/side_kernel.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/contact_view.h"
 
@@ -125,7 +126,7 @@ class PadBuilder {
     return {{"tactels", sensor.tactels},     {"pitch", sensor.pitch},
             {"size", sensor.tactel_size},    {"axes", sensor.axes},
             {"length", side(sensor.length)}, {"width", side(sensor.width)},
-            {"thickness", sensor.thickness}, {"sides", fem::has_free_sides(sensor) ? "free" : "held"}};
+            {"thickness", sensor.thickness}, {"sides", fem::name(fem::side_rules(sensor).sides)}};
   }
 
   Json cells_json() const {

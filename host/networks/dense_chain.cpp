@@ -26,15 +26,15 @@ struct Neurons {
 
 Neurons neurons_of(const DenseLayer& layer) {
   const Eigen::Index n = layer.weights.rows();
-  const Matrix one = Matrix::Identity(n, n);
+  const Matrix identity = Matrix::Identity(n, n);
   const nn::Vector<double> none = nn::Vector<double>::Zero(n);
-  if (layer.activation == Activation::sigmoid) return {one, one, nn::Vector<double>::Constant(n, 0.5)};
-  if (layer.activation == Activation::tanh) return {2 * one, 2 * one, none};
+  if (layer.activation == Activation::sigmoid) return {identity, identity, nn::Vector<double>::Constant(n, 0.5)};
+  if (layer.activation == Activation::tanh) return {2 * identity, 2 * identity, none};
   const double a = nn::leak, b = layer.slope;
-  if (std::abs(a - b) < 1e-7) return {one, one, none};
+  if (std::abs(a - b) < 1e-7) return {identity, identity, none};
   Neurons two{Matrix(2 * n, n), Matrix(n, 2 * n), none};
-  two.of_sums << one, -one;
-  two.mix << (1 - a * b) / (1 - a * a) * one, (a - b) / (1 - a * a) * one;
+  two.of_sums << identity, -identity;
+  two.mix << (1 - a * b) / (1 - a * a) * identity, (a - b) / (1 - a * a) * identity;
   return two;
 }
 

@@ -263,12 +263,12 @@ std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn
   const DeviceFrames frames(executor_.device(), set.frames);
   std::vector<std::vector<double>> errors;
   while (errors.size() < networks_.size()) {
-    std::vector<nn::Weights<Real>> own;
+    std::vector<nn::Weights<Real>> weights_of_group;
     for (std::size_t i = 0; i < plan_.noises.size() * plan_.seeds.size(); ++i)
-      own.push_back(weights_of(errors.size() + i));
-    Forward<Real> forward(executor_, std::span<const nn::Weights<Real>>(own), scaling_);
+      weights_of_group.push_back(weights_of(errors.size() + i));
+    Forward<Real> forward(executor_, std::span<const nn::Weights<Real>>(weights_of_group), scaling_);
     forward.run(frames);
-    for (std::size_t i = 0; i < own.size(); ++i)
+    for (std::size_t i = 0; i < weights_of_group.size(); ++i)
       errors.push_back(nn::absolute_errors(forward.result(i).slip_index, set));
   }
   return errors;
@@ -276,8 +276,8 @@ std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn
 
 template <class Real>
 std::vector<double> NetworkTraining<Real>::slip_index(std::size_t network, const nn::FrameSet& set) const {
-  const nn::Weights<Real> own = weights(network);
-  Forward<Real> forward(executor_, std::span(&own, 1), scaling_);
+  const nn::Weights<Real> trained = weights(network);
+  Forward<Real> forward(executor_, std::span(&trained, 1), scaling_);
   const auto answer = forward.recall(set.frames);
   return {answer.slip_index.begin(), answer.slip_index.end()};
 }
@@ -303,11 +303,11 @@ std::vector<nn::ErrorReport> NetworkTraining<Real>::recall_learning_set() const 
     const TrainedNetwork& network = networks_[i];
     if (network.noise == 0) continue;
     const nn::FrameSet noisy = nn::with_noise(set_, network.noise, network.seed);
-    const nn::Weights<Real> own = weights(i);
+    const nn::Weights<Real> trained = weights(i);
     if (its_topology == network.topology)
-      forward->set_network(0, own);
+      forward->set_network(0, trained);
     else
-      forward.emplace(executor_, std::span(&own, 1), scaling_);
+      forward.emplace(executor_, std::span(&trained, 1), scaling_);
     its_topology = network.topology;
     reports[i] = nn::report_errors(nn::absolute_errors(forward->recall(noisy.frames).slip_index, noisy), noisy);
   }

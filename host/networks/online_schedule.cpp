@@ -35,9 +35,9 @@ class OnlineSchedule : public TrainingSchedule<Real> {
   nn::Weights<Real> weights(std::size_t network) const override { return state(network).weights; }
 
   void store(std::size_t network, NetworkRecord<Real>& record) const override {
-    nn::OnlineState<Real> now = state(network);
-    record.state.weights = std::move(now.weights);
-    record.state.first = std::move(now.step);
+    nn::OnlineState<Real> learnt = state(network);
+    record.state.weights = std::move(learnt.weights);
+    record.state.first = std::move(learnt.step);
     record.state.second.values.clear();
   }
 
@@ -76,14 +76,14 @@ class OnlineSchedule : public TrainingSchedule<Real> {
     const TrainOnline<Real>& training = trainings_[i / members_.size()];
     const std::size_t place = i % members_.size();
     const OnlineReport from{0, network.cycles, 0, 0};
-    const OnlineReport now = training.report(place);
-    if (now.cycle == network.cycles) return false;
+    const OnlineReport report = training.report(place);
+    if (report.cycle == network.cycles) return false;
     const std::vector<nn::CycleErrors> errors = training.curve(place, from);
-    network.status = static_cast<nn::TrainStatus>(now.status);
+    network.status = static_cast<nn::TrainStatus>(report.status);
     for (const nn::CycleErrors& cycle : errors)
-      network.note_cycle(cycle, rows_, network.cycles + 1 == now.cycle && !network.running());
-    network.sse = now.sse;
-    network.largest = now.largest;
+      network.note_cycle(cycle, rows_, network.cycles + 1 == report.cycle && !network.running());
+    network.sse = report.sse;
+    network.largest = report.largest;
     return true;
   }
 

@@ -159,9 +159,9 @@ Job TrainOnline<Real>::job(std::uint32_t most_cycles) {
 template <class Real>
 std::vector<std::uint32_t> TrainOnline<Real>::running() const {
   std::vector<std::uint32_t> running;
-  const std::vector<OnlineReport> now = reports();
-  for (std::uint32_t i = 0; i < now.size(); ++i)
-    if (now[i].status == ONLINE_RUNNING) running.push_back(i);
+  const std::vector<OnlineReport> found = reports();
+  for (std::uint32_t i = 0; i < found.size(); ++i)
+    if (found[i].status == ONLINE_RUNNING) running.push_back(i);
   return running;
 }
 
@@ -189,8 +189,8 @@ OnlineReport TrainOnline<Real>::report(std::size_t network) const {
 
 template <class Real>
 std::vector<nn::CycleErrors> TrainOnline<Real>::curve(std::size_t network, const OnlineReport& from) const {
-  const OnlineReport now = report(network);
-  std::vector<Real> numbers(2 * (now.cycle - from.cycle));
+  const OnlineReport last = report(network);
+  std::vector<Real> numbers(2 * (last.cycle - from.cycle));
   curve_.read(numbers, network * curve_cycles_ * 2);
   std::vector<nn::CycleErrors> errors;
   for (std::size_t i = 0; i < numbers.size(); i += 2) errors.push_back({numbers[i], numbers[i + 1]});
@@ -199,13 +199,13 @@ std::vector<nn::CycleErrors> TrainOnline<Real>::curve(std::size_t network, const
 
 template <class Real>
 nn::OnlineState<Real> TrainOnline<Real>::state(std::size_t network) const {
-  const OnlineReport now = report(network);
+  const OnlineReport last = report(network);
   nn::OnlineState<Real> state{nn::Weights<float>(topology_)};
   const std::size_t count = topology_.weight_count();
   weights_.read(state.weights.values, 2 * network * count);
   weights_.read(state.step.values, (2 * network + 1) * count);
-  state.cycle = now.cycle;
-  state.status = static_cast<nn::TrainStatus>(now.status);
+  state.cycle = last.cycle;
+  state.status = static_cast<nn::TrainStatus>(last.status);
   return state;
 }
 

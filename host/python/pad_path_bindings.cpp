@@ -44,10 +44,8 @@ void bind_pad_path(py::module_& m) {
   py::class_<PadPath> path(m, "PadPath",
                            "The answer to a scene on a pad: one entry for each load increment, those of the pressing "
                            "first. P, Q, M are those of the indenter on the rubber.");
-  bind_pictures(path);
-  bind_steps(path);
-  path.def("__len__", [](const PadPath& path) { return path.steps.size(); })
-      .def_property_readonly(
+  bind_solved(path, "PadPath");
+  path.def_property_readonly(
           "tactels",
           [](const PadPath& path) {
             return PadTactels{tactel_grid(path, &PadStep::sigma_z), tactel_grid(path, &PadStep::tau_x),
@@ -66,11 +64,7 @@ void bind_pad_path(py::module_& m) {
       .def_readonly("cell_width", &PadPath::cell_width, "mm along x and y of the turned shape")
       .def_property_readonly("tactel_x", column(&PadPath::tactel_x), "[tactels along x] mm")
       .def_property_readonly("tactel_y", column(&PadPath::tactel_y), "[tactels along y] mm")
-      .def_readonly("fell_back", &PadPath::fell_back, "the exact fallback answered")
       .def_readonly("rung", &PadPath::rung)
-      .def_readonly("model", &PadPath::model)
-      .def_readonly("precision", &PadPath::precision)
-      .def_readonly("device", &PadPath::device)
       .def_property_readonly(
           "error",
           [](const PadPath& path) -> OptionalDict {
@@ -84,11 +78,7 @@ void bind_pad_path(py::module_& m) {
           },
           "errors to expect of S, and of P, Q, M, sigma, tau, markers over the largest: 95 % of scenes stay below; "
           "\"from\" names the second solution of the scene, \"outside\" what was not measured, \"strain\" what large "
-          "strain adds to P and sigma; None where nothing is touched")
-      .def_readonly("warnings", &PadPath::warnings)
-      .def("__repr__", [](const PadPath& path) {
-        return "<tactel.PadPath: " + std::to_string(path.steps.size()) + " steps, " + path.model + ">";
-      });
+          "strain adds to P and sigma; None where nothing is touched");
 }
 
 }  // namespace
@@ -98,10 +88,8 @@ void bind_pad_paths(py::module_& m) {
   py::class_<PadPaths> paths(
       m, "PadPaths",
       "Answers of many scenes on pads. Arrays are views without copies; entries beyond a scene's own steps are NaN.");
-  bind_many_steps(paths);
-  paths.def("__len__", [](const PadPaths& all) { return all.scenes; })
-      .def_property_readonly("steps_made", column(&PadPaths::steps_made), "[scenes] load steps of each scene")
-      .def_property_readonly("fell_back", column(&PadPaths::fell_back), "[scenes] 1: the exact fallback answered")
+  bind_many_solved(paths);
+  paths
       .def_property_readonly(
           "tactels",
           [](const py::object& self) {
@@ -113,10 +101,6 @@ void bind_pad_paths(py::module_& m) {
           "frames", [](const PadPaths& all) { return frames_of_pads<PadPaths>(all, all.tactels[0] * all.tactels[1]); },
           "[scenes, steps, axes tactels] MPa, fp32 copy, as networks take them: all sigma_z, then "
           "tau_x, then tau_y, tactels with x fastest")
-      .def_readonly("rung", &PadPaths::rung)
-      .def_readonly("precision", &PadPaths::precision)
-      .def_readonly("device", &PadPaths::device)
-      .def_readonly("warnings", &PadPaths::warnings, "of numbers that look as if they had another unit")
       .def("__repr__", [](const PadPaths& all) {
         return "<tactel.PadPaths: " + std::to_string(all.scenes) + " scenes, " + std::to_string(all.steps) +
                " steps, " + std::to_string(all.tactels[0]) + " x " + std::to_string(all.tactels[1]) + " tactels>";

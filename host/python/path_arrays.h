@@ -205,4 +205,32 @@ void bind_pictures(py::class_<Path>& path) {
           "ends in .vts takes the rubber, in .vtu the cells.");
 }
 
+/// Binds all that answers of lines and of pads have alike. `name`: of the class.
+template <class Path>
+void bind_solved(py::class_<Path>& path, const std::string& name) {
+  bind_pictures(path);
+  bind_steps(path);
+  path.def("__len__", [](const Path& path) { return path.steps.size(); })
+      .def_readonly("fell_back", &Path::fell_back, "the exact fallback answered")
+      .def_readonly("model", &Path::model)
+      .def_readonly("precision", &Path::precision)
+      .def_readonly("device", &Path::device)
+      .def_readonly("warnings", &Path::warnings)
+      .def("__repr__", [name](const Path& path) {
+        return "<tactel." + name + ": " + std::to_string(path.steps.size()) + " steps, " + path.model + ">";
+      });
+}
+/// The same of many scenes.
+template <class Paths>
+void bind_many_solved(py::class_<Paths>& paths) {
+  bind_many_steps(paths);
+  paths.def("__len__", [](const Paths& all) { return all.scenes; })
+      .def_property_readonly("steps_made", column(&Paths::steps_made), "[scenes] load steps of each scene")
+      .def_property_readonly("fell_back", column(&Paths::fell_back), "[scenes] 1: the exact fallback answered")
+      .def_readonly("rung", &Paths::rung)
+      .def_readonly("precision", &Paths::precision)
+      .def_readonly("device", &Paths::device)
+      .def_readonly("warnings", &Paths::warnings, "of numbers that look as if they had another unit");
+}
+
 }  // namespace tactel::python

@@ -19,11 +19,11 @@ using AnyPadLoad = std::variant<PadLoad, Load>;
 template <class Indenter, class Any>
 Indenter indenter_of(Any any) {
   return std::visit(
-      [](auto& one) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Indenter>)
-          return std::move(one);
+      [](auto& given) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(given)>, Indenter>)
+          return std::move(given);
         else
-          return Indenter{.shape = std::move(one)};
+          return Indenter{.shape = std::move(given)};
       },
       any);
 }
@@ -83,7 +83,7 @@ AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& ind
 /// Getter of a member that scenes of both kinds have, a copy.
 template <class Get>
 auto scene_field(const Get& get) {
-  return [get](const AnyScene& scene) { return std::visit([&](const auto& one) { return get(one); }, scene.of); };
+  return [get](const AnyScene& scene) { return std::visit([&](const auto& kind) { return get(kind); }, scene.of); };
 }
 
 /// The same of an optional one that pads alone have.
@@ -249,10 +249,11 @@ void bind_scenes(py::module_& m) {
   bind_scene_of(scene);
   scene
       .def(
-          "validate", [](const AnyScene& scene) { std::visit([](const auto& one) { validate(one); }, scene.of); },
+          "validate", [](const AnyScene& scene) { std::visit([](const auto& kind) { validate(kind); }, scene.of); },
           "Raises InputError for the first value that the model rejects.")
       .def(
-          "toml", [](const AnyScene& scene) { return std::visit([](const auto& one) { return toml(one); }, scene.of); },
+          "toml",
+          [](const AnyScene& scene) { return std::visit([](const auto& kind) { return toml(kind); }, scene.of); },
           "Returns its scene file, with every default filled in; read_scene() reads it.")
       .def_property_readonly("sensor", scene_field([](const auto& scene) { return py::cast(scene.sensor); }))
       .def_property_readonly("indenter", scene_field([](const auto& scene) { return py::cast(scene.indenter); }))

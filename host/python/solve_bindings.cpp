@@ -33,10 +33,8 @@ void bind_path(py::module_& m) {
   py::class_<Path> path(m, "Path",
                         "The answer to a scene: one entry for each load increment, those of the indentation first. "
                         "P, Q are those of the indenter on the rubber.");
-  bind_pictures(path);
-  bind_steps(path);
-  path.def("__len__", [](const Path& path) { return path.steps.size(); })
-      .def_property_readonly(
+  bind_solved(path, "Path");
+  path.def_property_readonly(
           "tactels",
           [](const Path& path) {
             const auto stress = [&](auto member) {
@@ -55,30 +53,19 @@ void bind_path(py::module_& m) {
       .def_property_readonly("surface_x", column(&Path::surface_x), "[surface] mm")
       .def_property_readonly("tactel_x", column(&Path::tactel_x), "[tactels] mm")
       .def_readonly("sliding", &Path::sliding, "the last step slides as a whole")
-      .def_readonly("fell_back", &Path::fell_back, "the exact fallback answered")
-      .def_readonly("model", &Path::model)
       .def_readonly("model_reason", &Path::model_reason)
-      .def_readonly("precision", &Path::precision)
-      .def_readonly("device", &Path::device)
       .def_property_readonly(
           "error",
           [](const Path& path) -> OptionalDict { return {path.error ? py::object(to_dict(*path.error)) : py::none()}; },
-          "expected error: S absolutely, P, Q and stresses of their largest; None without an estimate")
-      .def_readonly("warnings", &Path::warnings)
-      .def("__repr__", [](const Path& path) {
-        return "<tactel.Path: " + std::to_string(path.steps.size()) + " steps, " + path.model + ">";
-      });
+          "expected error: S absolutely, P, Q and stresses of their largest; None without an estimate");
 }
 
 void bind_paths(py::module_& m) {
   py::class_<Paths> paths(
       m, "Paths",
       "Answers of many scenes. Arrays are views without copies; entries beyond a scene's own steps are NaN.");
-  bind_many_steps(paths);
-  paths.def("__len__", [](const Paths& all) { return all.scenes; })
-      .def_property_readonly("steps_made", column(&Paths::steps_made), "[scenes] load steps of each scene")
-      .def_property_readonly("sliding", column(&Paths::sliding), "[scenes] 1: the last step slides as a whole")
-      .def_property_readonly("fell_back", column(&Paths::fell_back), "[scenes] 1: the exact fallback answered")
+  bind_many_solved(paths);
+  paths.def_property_readonly("sliding", column(&Paths::sliding), "[scenes] 1: the last step slides as a whole")
       .def_property_readonly(
           "tactels",
           [](const py::object& self) {
@@ -91,10 +78,6 @@ void bind_paths(py::module_& m) {
             return frames_of(all, {&Paths::sigma_y, &Paths::tau_xy}, all.tactels);
           },
           "[scenes, steps, 2 tactels] MPa, fp32 copy, as networks take them: normal stresses, then shear")
-      .def_readonly("rung", &Paths::rung)
-      .def_readonly("precision", &Paths::precision)
-      .def_readonly("device", &Paths::device)
-      .def_readonly("warnings", &Paths::warnings, "of numbers that look as if they had another unit")
       .def("__repr__", [](const Paths& all) {
         return "<tactel.Paths: " + std::to_string(all.scenes) + " scenes, " + std::to_string(all.steps) + " steps, " +
                std::to_string(all.tactels) + " tactels>";
@@ -107,11 +90,11 @@ std::vector<Kind> copies_of(const std::vector<const AnyScene*>& scenes) {
   std::vector<Kind> copies;
   copies.reserve(scenes.size());
   for (const AnyScene* scene : scenes) {
-    const Kind* one = std::get_if<Kind>(&scene->of);
-    if (one == nullptr)
+    const Kind* copied = std::get_if<Kind>(&scene->of);
+    if (copied == nullptr)
       throw InputError("scenes[" + std::to_string(copies.size()) + "]", "its sensor is of the other kind",
                        "must be all Sensor or all Pad, as that of scenes[0]");
-    copies.push_back(*one);
+    copies.push_back(*copied);
   }
   return copies;
 }
@@ -129,7 +112,7 @@ void bind_solve_of(py::module_& m, const char* doc) {
         options.device = std::move(device), options.tolerance = tolerance;
         options.estimate_error = estimate_error;
         return Typed<std::variant<Path, PadPath>, answer>{without_lock([&] {
-          return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); },
+          return std::visit([&](const auto& kind) { return std::variant<Path, PadPath>(solve(kind, options)); },
                             scene.value->of);
         })};
       },

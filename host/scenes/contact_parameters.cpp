@@ -13,21 +13,30 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-double as_number(double value) { return value; }
-double as_number(const std::optional<double>& value) { return value.value_or(none); }
+// Columns of a number: of a pair "_x" and "_y", of a list none.
+void columns_of(const auto& number, double value, const auto& use) { use(number.key, "", number.unit, value); }
+void columns_of(const auto& number, const std::optional<double>& value, const auto& use) {
+  use(number.key, "", number.unit, value.value_or(none));
+}
+void columns_of(const auto& number, const std::array<double, 2>& value, const auto& use) {
+  use(number.each, "_x", number.unit, value[0]), use(number.each, "_y", number.unit, value[1]);
+}
+template <class Value>
+void columns_of(const auto&, const Value&, const auto&) {}
 
-/// Calls use(key, axis, unit, value) for the columns of a struct: what sweeps draw, of a pair "_x" and "_y".
+/// Calls use(key, axis, unit, value) for the columns of a struct: what sweeps draw.
 template <class T, class Use>
 void each_column(const T& from, const Use& use) {
-  fem::each_number<T>([&]<class Value>(const fem::Number<T, Value>& number) {
-    const Value& value = from.*number.member;
-    if (!number.drawn) return;
-    if constexpr (std::is_same_v<Value, std::array<double, 2>>)
-      use(number.each, "_x", number.unit, value[0]), use(number.each, "_y", number.unit, value[1]);
-    else if constexpr (requires { as_number(value); })
-      use(number.key, "", number.unit, as_number(value));
+  fem::each_number<T>([&](const auto& number) {
+    if (number.drawn) columns_of(number, from.*number.member, use);
   });
 }
+
+bool is_soft(const fem::Scene&) { return false; }
+bool is_soft(const fem::PadScene& scene) { return scene.indenter.young.has_value(); }
+
+const fem::Taylor* taylor_of(const fem::Shape& shape) { return std::get_if<fem::Taylor>(&shape); }
+const fem::Taylor* taylor_of(const fem::PadShape&) { return nullptr; }
 
 /// Those of an indenter; of soft ones where some are.
 template <class Indenter, class Use>
@@ -93,21 +102,18 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
       return add(table + key + axis, unit);
     };
   };
-  if constexpr (requires { scenes[0].indenter.young; })
-    soft_ = std::ranges::any_of(scenes, [](const Scene& scene) { return scene.indenter.young.has_value(); });
+  soft_ = std::ranges::any_of(scenes, [](const Scene& scene) { return is_soft(scene); });
   indenter_columns(scenes[0].indenter, soft_, add_to("indenter."));
   add("contact.friction", "1");
   std::set<int> powers;
   for (const Scene& scene : scenes) {
     const Shape& shape = scene.indenter.shape;
     std::size_t k = 0;
-    const auto put = [&, add_column = add_to("indenter.")](auto... of) {
-      of_shape_[shape.index()][k++] = add_column(of...);
+    const auto put = [&, add_column = add_to("indenter.")](auto... column) {
+      of_shape_[shape.index()][k++] = add_column(column...);
     };
     std::visit([&](const auto& s) { shape_columns(s, put); }, shape);
-    if constexpr (std::is_same_v<Shape, fem::Shape>)
-      if (const auto* taylor = std::get_if<fem::Taylor>(&shape))
-        powers.insert(taylor->powers.begin(), taylor->powers.end());
+    if (const fem::Taylor* taylor = taylor_of(shape)) powers.insert(taylor->powers.begin(), taylor->powers.end());
   }
   powers_.assign(powers.begin(), powers.end());
   coefficients_ = columns_.size();
@@ -117,7 +123,7 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
   for (const Sensor& sensor : sensors) values.push_back(sensor_values(sensor));
   sensor_columns(sensors[0], [&](const char* key, const char* axis, const char* unit, double first) {
     const std::size_t k = sensor_numbers_.size();
-    const bool differs = std::ranges::any_of(values, [&](const auto& of) { return of[k] != first; });
+    const bool differs = std::ranges::any_of(values, [&](const auto& numbers) { return numbers[k] != first; });
     sensor_numbers_.push_back(differs || (own_sensors && !of_the_array(key)));
     if (sensor_numbers_.back()) add(std::string("sensor.") + key + axis, unit);
   });
@@ -135,15 +141,14 @@ void ContactParametersOf<Scene>::put(const Scene& scene, std::uint16_t kind, std
   const auto* column = of_shape_[shape.index()].data();
   std::visit([&](const auto& s) { shape_columns(s, [&](auto, auto, auto, double value) { put(*column++, value); }); },
              shape);
-  if constexpr (std::is_same_v<Shape, fem::Shape>)
-    if (const auto* taylor = std::get_if<fem::Taylor>(&shape)) {
-      std::fill_n(row.begin() + static_cast<std::ptrdiff_t>(coefficients_), powers_.size(), 0.0f);
-      for (std::size_t k = 0; k < taylor->powers.size(); ++k) {
-        const auto power = std::ranges::lower_bound(powers_, taylor->powers[k]) - powers_.begin();
-        row[coefficients_ + static_cast<std::size_t>(power)] +=
-            static_cast<float>(taylor->coefficients.empty() ? 1 : taylor->coefficients[k]);
-      }
+  if (const fem::Taylor* taylor = taylor_of(shape)) {
+    std::fill_n(row.begin() + static_cast<std::ptrdiff_t>(coefficients_), powers_.size(), 0.0f);
+    for (std::size_t k = 0; k < taylor->powers.size(); ++k) {
+      const auto power = std::ranges::lower_bound(powers_, taylor->powers[k]) - powers_.begin();
+      row[coefficients_ + static_cast<std::size_t>(power)] +=
+          static_cast<float>(taylor->coefficients.empty() ? 1 : taylor->coefficients[k]);
     }
+  }
   std::size_t sensor_column = sensor_, k = 0;
   sensor_columns(scene.sensor, [&](auto, auto, auto, double value) {
     if (sensor_numbers_[k++]) put(sensor_column++, value);

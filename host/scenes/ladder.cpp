@@ -39,7 +39,7 @@ std::string patch_text(const Rung& rung) {
 /// Other names of rungs.
 template <class AnyRung>
 std::vector<std::pair<std::string, std::string>> other_names() {
-  if constexpr (std::is_same_v<AnyRung, PadRung>) return {};
+  if (std::is_same_v<AnyRung, PadRung>) return {};
   return {{"draft", "patch-8"}, {"medium", "patch-12"}, {"fine", "patch-16"}, {"finest", "patch-24"}};
 }
 
@@ -48,51 +48,24 @@ std::vector<std::pair<std::string, std::string>> other_names() {
 template <>
 const std::vector<Rung>& all_rungs() {
   using enum Precision;
-  static const std::vector<Rung> rungs = {
-      {.name = "patch-8", .elements = 8, .columns = 81, .rows = 17, .steps = 3, .precision = fp32, .tolerance = 1e-3},
-      {.name = "patch-12",
-       .elements = 12,
-       .columns = 161,
-       .rows = 25,
-       .steps = 4,
-       .precision = fp32,
-       .tolerance = 1e-3},
-      {.name = "patch-16",
-       .elements = 16,
-       .columns = 161,
-       .rows = 25,
-       .steps = 6,
-       .precision = fp32,
-       .tolerance = 1e-3},
-      {.name = "patch-24",
-       .elements = 24,
-       .columns = 161,
-       .rows = 25,
-       .steps = 8,
-       .precision = fp32,
-       .tolerance = 1e-3},
-      {.name = "paper", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-4},
-      {.name = "mesh-41", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-2},
-      {.name = "mesh-81", .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
-      {.name = "mesh-161", .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-4},
-      {.name = "mesh-321", .columns = 321, .rows = 25, .steps = 10, .precision = fp32, .tolerance = 1e-5},
-      {.name = "mesh-641", .columns = 641, .rows = 25, .steps = 20, .precision = fp64, .tolerance = 1e-7},
-      {.name = "patch-60",
-       .elements = 60,
-       .columns = 321,
-       .rows = 25,
-       .steps = 10,
-       .precision = fp64,
-       .tolerance = 1e-9,
-       .exact = true},
-      {.name = "reference",
-       .elements = 120,
-       .columns = 641,
-       .rows = 25,
-       .steps = 20,
-       .precision = fp64,
-       .tolerance = 1e-9,
-       .exact = true}};
+  const auto rung = [](const char* name, int elements, int columns, int rows, int steps, Precision precision,
+                       double tolerance, bool exact = false) {
+    Rung made{name, elements, columns, rows, steps, precision, tolerance};
+    made.exact = exact;
+    return made;
+  };
+  static const std::vector<Rung> rungs = {rung("patch-8", 8, 81, 17, 3, fp32, 1e-3),
+                                          rung("patch-12", 12, 161, 25, 4, fp32, 1e-3),
+                                          rung("patch-16", 16, 161, 25, 6, fp32, 1e-3),
+                                          rung("patch-24", 24, 161, 25, 8, fp32, 1e-3),
+                                          rung("paper", 0, 41, 11, 1, fp32, 1e-4),
+                                          rung("mesh-41", 0, 41, 11, 1, fp32, 1e-2),
+                                          rung("mesh-81", 0, 81, 17, 2, fp32, 1e-3),
+                                          rung("mesh-161", 0, 161, 25, 4, fp32, 1e-4),
+                                          rung("mesh-321", 0, 321, 25, 10, fp32, 1e-5),
+                                          rung("mesh-641", 0, 641, 25, 20, fp64, 1e-7),
+                                          rung("patch-60", 60, 321, 25, 10, fp64, 1e-9, true),
+                                          rung("reference", 120, 641, 25, 20, fp64, 1e-9, true)};
   return rungs;
 }
 
@@ -123,11 +96,11 @@ std::vector<std::string> rung_names() {
 
 template <class AnyRung>
 const AnyRung& rung_named(const std::string& name) {
-  std::string own = name;
+  std::string first_name = name;
   for (const auto& [other, rung] : other_names<AnyRung>())
-    if (other == name) own = rung;
+    if (other == name) first_name = rung;
   const std::vector<AnyRung>& rungs = all_rungs<AnyRung>();
-  const auto found = std::ranges::find(rungs, own, &AnyRung::name);
+  const auto found = std::ranges::find(rungs, first_name, &AnyRung::name);
   if (found == rungs.end())
     throw ConfigError("command line", "--rung", name,
                       fmt::format("a rung of {}, one of ", std::is_same_v<AnyRung, Rung> ? "lines" : "pads") +

@@ -23,6 +23,15 @@ template <class Value>
 bool read_number(TomlTable& in, const char* key, Value& value, const char* allowed) {
   return in.read(key, value, allowed);
 }
+/// One number stands for both axes of a pitch.
+inline bool read_number(TomlTable& in, const char* key, std::array<double, 2>& value, const char* allowed) {
+  if (key != std::string_view("pitch")) return in.read(key, value, allowed);
+  std::vector<double> both;
+  if (!in.read_one_or_more(key, both, allowed)) return false;
+  if (both.size() > 2) in.refuse(key, allowed);
+  value = {both.front(), both.back()};
+  return true;
+}
 inline bool read_number(TomlTable& in, const char* key, std::optional<double>& value, const char* allowed) {
   double number = 0;
   const bool there = in.read(key, number, allowed);
@@ -34,14 +43,6 @@ inline bool read_number(TomlTable& in, const char* key, std::array<int, 2>& valu
   if (!in.read(key, both, allowed)) return false;
   if (both.size() != 2) in.refuse(key, allowed);
   value = {both[0], both[1]};
-  return true;
-}
-/// Of a pad: one number stands for both axes.
-inline bool read_pitch(TomlTable& in, const char* key, std::array<double, 2>& value, const char* allowed) {
-  std::vector<double> both;
-  if (!in.read_one_or_more(key, both, allowed)) return false;
-  if (both.size() > 2) in.refuse(key, allowed);
-  value = {both.front(), both.back()};
   return true;
 }
 template <class Word>
@@ -65,14 +66,8 @@ inline bool read_number(TomlTable& in, const char* key, fem::Sides& value, const
 /// Reads the numbers of a struct. Where it is `complete`, those that are needed must be there.
 template <class T>
 void read_numbers(TomlTable& in, T& into, bool complete) {
-  fem::each_number<T>([&]<class Value>(const fem::Number<T, Value>& number) {
-    bool there = false;
-    if constexpr (std::is_same_v<Value, std::array<double, 2>>)
-      there = number.key == std::string_view("pitch")
-                  ? read_pitch(in, number.key, into.*number.member, number.allowed)
-                  : read_number(in, number.key, into.*number.member, number.allowed);
-    else
-      there = read_number(in, number.key, into.*number.member, number.allowed);
+  fem::each_number<T>([&](const auto& number) {
+    const bool there = read_number(in, number.key, into.*number.member, number.allowed);
     if (!there && number.needed && complete) in.refuse_missing(number.key, std::string("given, ") + number.allowed);
   });
 }
@@ -81,8 +76,8 @@ void read_numbers(TomlTable& in, T& into, bool complete) {
 template <class Sensor>
 void read_layers(TomlTable& in, Sensor& sensor) {
   const char* tables = "tables [[sensor.layers]] of thickness, young and poisson, base first";
-  for (TomlTable& of : in.read_tables("layers", tables))
-    read_numbers(of, sensor.layers.emplace_back(), true), of.finish();
+  for (TomlTable& layer : in.read_tables("layers", tables))
+    read_numbers(layer, sensor.layers.emplace_back(), true), layer.finish();
   if (sensor.layers.empty()) return;
   in.refuse_any({"thickness", "young", "poisson"}, "left out beside sensor.layers");
   const Sensor usual;  // a preset may have others
@@ -115,13 +110,12 @@ struct ShapeName {
 };
 
 template <class S>
-std::vector<std::string> keys_of_shape() {
-  if constexpr (std::is_same_v<S, fem::Profile>) return {"x", "y", "file", "smooth"};
-  if constexpr (std::is_same_v<S, fem::HeightMap>) return {"file", "pitch"};
+std::vector<std::string> keys_of_shape(bool tilts) {
+  if (std::is_same_v<S, fem::Profile>) return {"x", "y", "file", "smooth"};
+  if (std::is_same_v<S, fem::HeightMap>) return {"file", "pitch"};
   std::vector<std::string> keys;
   fem::each_number<S>([&](const auto& number) { keys.emplace_back(number.key); });
-  if constexpr (std::is_constructible_v<fem::PadShape, S>)
-    if (fem::tilts(S{})) keys.insert(keys.end(), {"tilt", "tilt_direction"});
+  if (tilts) keys.insert(keys.end(), {"tilt", "tilt_direction"});
   return keys;
 }
 
@@ -129,7 +123,8 @@ std::vector<std::string> keys_of_shape() {
 template <class Shape>
 const std::vector<ShapeName<Shape>>& shapes_of() {
   static const auto all = []<class... S>(const std::variant<S...>&) {
-    return std::vector<ShapeName<Shape>>{{fem::shape_name(Shape(S{})), keys_of_shape<S>(), S{}}...};
+    return std::vector<ShapeName<Shape>>{
+        {fem::shape_name(Shape(S{})), keys_of_shape<S>(fem::tilts(Shape(S{}))), S{}}...};
   }(Shape{});
   return all;
 }
@@ -138,10 +133,10 @@ const std::vector<ShapeName<Shape>>& shapes_of() {
 /// shapes of the other kind. `is`: "belongs to a pad".
 template <class Own, class Other>
 void refuse_other_kind(TomlTable& in, const std::vector<std::string>& others, const std::string& is) {
-  std::vector<std::string> own, foreign = others;
-  for (const auto& shape : shapes_of<Own>()) own.insert(own.end(), shape.keys.begin(), shape.keys.end());
+  std::vector<std::string> known, foreign = others;
+  for (const auto& shape : shapes_of<Own>()) known.insert(known.end(), shape.keys.begin(), shape.keys.end());
   for (const auto& shape : shapes_of<Other>()) foreign.insert(foreign.end(), shape.keys.begin(), shape.keys.end());
-  std::erase_if(foreign, [&](const std::string& key) { return std::ranges::find(own, key) != own.end(); });
+  std::erase_if(foreign, [&](const std::string& key) { return std::ranges::find(known, key) != known.end(); });
   in.refuse_any(foreign, "left out: it " + is);
   std::string word;
   if (!in.has_text("shape") || !in.read("shape", word, "")) return;

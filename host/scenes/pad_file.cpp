@@ -20,7 +20,7 @@ void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   read_numbers(in, sensor, false);
   read_layers(in, sensor);
   in.read("relaxation", sensor.relaxation, "an array of pairs [share of E, seconds]");
-  if (sides && sensor.sides == fem::Sides::free && !fem::has_free_sides(sensor))
+  if (sides && sensor.sides == fem::Sides::free && !(sensor.length && sensor.width))
     in.refuse("sides", "\"held\", or given with sensor.length and sensor.width, between which sides are free");
   in.finish();
   if (!thick) in.refuse_missing("thickness", "given, the thickness of the rubber in mm");

@@ -53,10 +53,8 @@ SceneJson indenter_json(const Indenter& indenter) {
   SceneJson out = {{"shape", fem::shape_name(indenter.shape)}};
   std::visit([&](const auto& shape) { add_shape(out, shape); }, indenter.shape);
   add_numbers(out, indenter);
-  if constexpr (requires { indenter.tilt; })
-    if (!fem::tilts(indenter.shape)) out.erase("tilt"), out.erase("tilt_direction");
-  if constexpr (requires { indenter.young; })
-    if (!indenter.young) out.erase("poisson");  // rigid
+  if (!fem::tilts(indenter.shape)) out.erase("tilt"), out.erase("tilt_direction");
+  if (!out.contains("young")) out.erase("poisson");  // rigid
   return out;
 }
 
@@ -155,12 +153,12 @@ std::string value_text(const Json& value) {
   }
   std::string text;
   if (value.is_object()) {
-    for (const auto& [key, one] : value.items())
-      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, value_text(one));
+    for (const auto& [key, member] : value.items())
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, value_text(member));
     return "{ " + text + " }";
   }
   if (!value.is_array()) return value.dump();
-  for (const Json& one : value) text += (text.empty() ? "" : ", ") + value_text(one);
+  for (const Json& element : value) text += (text.empty() ? "" : ", ") + value_text(element);
   return "[" + text + "]";
 }
 
@@ -188,7 +186,7 @@ std::string toml(Json scene) {
       continue;
     }
     text += fmt::format("\n[{}]\n", key);
-    for (const auto& [name, one] : value.items()) text += fmt::format("{} = {}\n", name, value_text(one));
+    for (const auto& [name, number] : value.items()) text += fmt::format("{} = {}\n", name, value_text(number));
   }
   return text;
 }

@@ -56,16 +56,36 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
   return profile;
 }
 
-/// What of a contact a line draws beside its numbers.
+/// What of a contact is drawn, or taken from its indenter, beside its numbers.
 void draw_others(const SceneSource::Alternative& indenter, const SceneSource::Alternative& load, fem::Scene& scene,
                  const DrawKey& key) {
   if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
   if (load.slip_index) scene.load.angle = fem::degrees(std::atan(draw_number(*load.slip_index, key) * scene.friction));
 }
-void draw_others(const PadSource::Alternative&, const PadSource::Alternative&, fem::PadScene&, const DrawKey&) {}
+void draw_others(const PadSource::Alternative& indenter, const PadSource::Alternative&, fem::PadScene& scene,
+                 const DrawKey&) {
+  scene.markers = indenter.scene.markers;
+}
 
-/// Empty where sensors differ.
-std::vector<float> places_on_pad(const std::vector<fem::PadSensor>& sensors, Eigen::Index axis) {
+// Pads have no models of their surface.
+void put_model(fem::Scene& scene, fem::SurfaceModel model) { scene.model = model; }
+void put_model(fem::PadScene&, fem::SurfaceModel) {}
+fem::PadScene on_rung(const fem::PadScene& scene, const Rung&) { return scene; }
+
+/// Places of the tactels along an axis; empty where sensors differ, `drawn` ones, too.
+std::vector<float> tactels_along(const std::vector<fem::Sensor>& sensors, const SceneSource::Part& drawn, int axis) {
+  if (axis > 0) return {};
+  const auto length = number_place<fem::Scene>("sensor.length", ""),
+             span = number_place<fem::Scene>("sensor.tactel_span", "");
+  for (const auto& sensor : drawn.alternatives)
+    for (const auto& draw : sensor.draws)
+      if (draw.place == span || (draw.place == length && !sensor.scene.sensor.tactel_span)) return {};
+  for (const fem::Sensor& sensor : sensors)
+    if (sensor.span() != sensors[0].span()) return {};
+  const Eigen::VectorXf x = fem::tactel_positions(sensors[0]).cast<float>();
+  return {x.begin(), x.end()};
+}
+std::vector<float> tactels_along(const std::vector<fem::PadSensor>& sensors, const PadSource::Part&, int axis) {
   const Eigen::MatrixX2f places = fem::tactel_places(sensors.front()).cast<float>();
   for (const fem::PadSensor& sensor : sensors)
     if (sensor.tactels != sensors.front().tactels || sensor.pitch != sensors.front().pitch) return {};
@@ -99,26 +119,12 @@ ContactParametersOf<Scene> SourceOf<Scene>::parameters() const {
 
 template <class Scene>
 std::vector<float> SourceOf<Scene>::tactel_x() const {
-  if constexpr (of_lines) {
-    const auto length = number_place<Scene>("sensor.length", ""), span = number_place<Scene>("sensor.tactel_span", "");
-    for (const Alternative& sensor : sensor_.alternatives)
-      for (const NumberDraw& draw : sensor.draws)
-        if (draw.place == span || (draw.place == length && !sensor.scene.sensor.tactel_span)) return {};
-    for (const Sensor& sensor : sensors_)
-      if (sensor.span() != sensors_[0].span()) return {};
-    const Eigen::VectorXf x = fem::tactel_positions(sensors_[0]).template cast<float>();
-    return {x.begin(), x.end()};
-  } else {
-    return places_on_pad(sensors_, 0);
-  }
+  return tactels_along(sensors_, sensor_, 0);
 }
 
 template <class Scene>
 std::vector<float> SourceOf<Scene>::tactel_y() const {
-  if constexpr (of_lines)
-    return {};
-  else
-    return places_on_pad(sensors_, 1);
+  return tactels_along(sensors_, sensor_, 1);
 }
 
 template <>
@@ -171,8 +177,7 @@ SourceOf<Scene> SourceOf<Scene>::of_quantiles(std::span<const double> quantiles)
 template <class Scene>
 typename SourceOf<Scene>::Contact SourceOf<Scene>::contact(std::uint64_t k) const {
   Contact contact = drawn_contact(k);
-  if constexpr (of_lines)
-    if (rung_ && !rung_->patch()) contact.scene = on_rung(contact.scene, *rung_);
+  if (rung_ && !rung_->patch()) contact.scene = on_rung(contact.scene, *rung_);
   return contact;
 }
 
@@ -192,7 +197,7 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
   Contact drawn;
   drawn.kind = static_cast<std::uint16_t>(&indenter - indenter_.alternatives.data());
   Scene& scene = drawn.scene;
-  if constexpr (of_lines) scene.model = model_;
+  put_model(scene, model_);
   if (own_sensors_) {
     const Alternative& sensor = draw_alternative(sensor_, key);
     scene.sensor = sensor.scene.sensor;
@@ -201,7 +206,6 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
     scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
   }
   scene.indenter = indenter.scene.indenter;
-  if constexpr (!of_lines) scene.markers = indenter.scene.markers;
   scene.friction = contact.scene.friction;
   scene.load = load.scene.load;
   for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);

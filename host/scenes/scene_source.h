@@ -30,6 +30,10 @@ class SweepReaderOf;
 inline int inputs_of(const fem::Sensor& sensor) { return 2 * sensor.tactels; }
 inline int inputs_of(const fem::PadSensor& sensor) { return sensor.axes * sensor.tactels[0] * sensor.tactels[1]; }
 
+/// Returns the markers of a scene, of pads.
+inline std::optional<Markers> markers_of(const fem::Scene&) { return {}; }
+inline std::optional<Markers> markers_of(const fem::PadScene& scene) { return scene.markers; }
+
 /// What sweeps of lines and of pads have in common.
 class ContactSource {
  public:
@@ -116,9 +120,7 @@ class SourceOf : public ContactSource {
   const std::optional<OwnSensors>& own_sensors() const { return own_sensors_; }
   /// Returns the markers of all contacts, of pads.
   std::optional<Markers> markers() const {
-    if constexpr (!of_lines)
-      if (!indenter_.alternatives.empty()) return indenter_.alternatives.front().scene.markers;
-    return {};
+    return indenter_.alternatives.empty() ? std::nullopt : markers_of(indenter_.alternatives.front().scene);
   }
   /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
   bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }
@@ -195,10 +197,10 @@ extern template class SourceOf<fem::PadScene>;
 /// A sweep of either kind.
 using AnySource = std::variant<SceneSource, PadSource>;
 inline ContactSource& common(AnySource& source) {
-  return std::visit([](auto& of) -> ContactSource& { return of; }, source);
+  return std::visit([](auto& sweep) -> ContactSource& { return sweep; }, source);
 }
 inline const ContactSource& common(const AnySource& source) {
-  return std::visit([](const auto& of) -> const ContactSource& { return of; }, source);
+  return std::visit([](const auto& sweep) -> const ContactSource& { return sweep; }, source);
 }
 
 /// Returns true where the outermost tactels are points at the ends of the glued base, where the exact stress is

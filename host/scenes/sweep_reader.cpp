@@ -45,6 +45,10 @@ bool is_random_profile(const string& name, const toml::table& table) {
   return of_lines<Scene> && name == "indenter" && table.contains("points");
 }
 
+/// Pads have no models of their surface.
+fem::SurfaceModel model_of(const fem::Scene& scene) { return scene.model; }
+fem::SurfaceModel model_of(const fem::PadScene&) { return {}; }
+
 /// Layers of a sensor are not drawn.
 bool has_plain_tables(const string& name, std::string_view key) { return name == "sensor" && key == "layers"; }
 
@@ -78,7 +82,8 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
     } else if (node.is_table()) {
       table.insert_or_assign(key, number(key, node));
     } else if (toml::array* array = node.as_array()) {
-      each_table(*array, [&](toml::array& of, std::size_t i, int) { of.replace(of.cbegin() + i, number(key, of[i])); });
+      each_table(*array,
+                 [&](toml::array& list, std::size_t i, int) { list.replace(list.cbegin() + i, number(key, list[i])); });
     }
   }
   if (random) {
@@ -120,7 +125,7 @@ using FileSum = std::optional<std::pair<string, string>>;
 FileSum file_sum(const string& file, std::initializer_list<std::span<const double>> numbers) {
   if (file.empty()) return {};
   RunningChecksum sum;
-  for (const auto& of : numbers) sum.add({reinterpret_cast<const char*>(of.data()), of.size_bytes()});
+  for (const auto& part : numbers) sum.add({reinterpret_cast<const char*>(part.data()), part.size_bytes()});
   return std::pair{std::filesystem::path(file).filename().string(), sum.text()};
 }
 FileSum file_of(const fem::Shape& shape) {
@@ -167,7 +172,7 @@ auto SweepReaderOf<Scene>::distributions(const string& name, const toml::table& 
     if (has_plain_tables(name, key.str())) continue;
     add(full, -1, node);
     if (const toml::array* array = node.as_array())
-      each_table(*array, [&](const toml::array& of, std::size_t i, int index) { add(full, index, of[i]); });
+      each_table(*array, [&](const toml::array& list, std::size_t i, int index) { add(full, index, list[i]); });
   }
   return found;
 }
@@ -187,7 +192,7 @@ double SweepReaderOf<Scene>::weight(const string& name, const toml::table& table
 template <class Scene>
 TomlFile SweepReaderOf<Scene>::concrete(const string& name, std::size_t chosen) const {
   TomlFile file(file_.path(), file_.text());
-  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
+  for (const char* table : {"sweep", "transducer"}) file.root().erase(table);
   for (const string part : part_names) {
     toml::node* node = file.root().get(part);
     if (node == nullptr) continue;
@@ -252,17 +257,6 @@ void SweepReaderOf<Scene>::take_random_profile(const toml::table& table, Alterna
   into.profile = profile;
 }
 
-template <class Scene>
-void SweepReaderOf<Scene>::take_slip_index(const toml::table& load, Alternative& into) {
-  const toml::node* node = load.get("slip_index");
-  into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
-  const auto [low, high] = ends(into.slip_index->distribution);
-  if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
-  if constexpr (of_lines<Scene>)
-    if (into.scene.load.normal_force.empty() || into.scene.load.angle)
-      throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
-}
-
 /// Every distribution at its largest number, the others at their smallest: the model must accept it.
 template <class Scene>
 void SweepReaderOf<Scene>::check_ends(const Alternative& alternative, const std::vector<Found>& found) const {
@@ -283,29 +277,6 @@ void SweepReaderOf<Scene>::check_ends(const Alternative& alternative, const std:
 }
 
 template <class Scene>
-typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(const string& name, std::size_t chosen,
-                                                                             const toml::table& table) {
-  Alternative made;
-  const TomlFile file = concrete(name, chosen);
-  made.scene = read_scene(file);
-  const auto found = distributions(name, table);
-  for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
-  check_ends(made, found);
-  if constexpr (of_lines<Scene>) {
-    if (is_random_profile<Scene>(name, table)) take_random_profile(table, made);
-    if (name == "load" && table.contains("slip_index")) take_slip_index(table, made);
-  }
-  if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
-    take_irregular(table, *node, made);
-  if constexpr (!of_lines<Scene>) {
-    if (const toml::node* node = table.get("hold"); name == "load" && node != nullptr) take_hold(table, *node, made);
-    if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
-      made.unevenness = read_unevenness(file_, *node);
-  }
-  return made;
-}
-
-template <class Scene>
 const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, const toml::node& node,
                                                        const string& name) const {
   for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
@@ -316,45 +287,76 @@ const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, 
   throw file_.error(name, &node, "a table: [" + name + "]");
 }
 
-template <class Scene>
-void SweepReaderOf<Scene>::take_hold(const toml::table& load, const toml::node& node, Alternative& into) const {
-  const toml::table& table = table_of_path(load, node, "load.hold");
-  if (const toml::node* other = load.get("irregular"))
+template <>
+void SweepReaderOf<fem::Scene>::take_own_keys(const string& name, const toml::table& table,
+                                              SceneSource::Alternative& into) {
+  if (is_random_profile<fem::Scene>(name, table)) take_random_profile(table, into);
+  const toml::node* node = table.get("slip_index");
+  if (name != "load" || node == nullptr) return;
+  into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
+  const auto [low, high] = ends(into.slip_index->distribution);
+  if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
+  if (into.scene.load.normal_force.empty() || into.scene.load.angle)
+    throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
+}
+template <>
+void SweepReaderOf<fem::PadScene>::take_own_keys(const string& name, const toml::table& table,
+                                                 PadSource::Alternative& into) {
+  if (const toml::node* node = table.get("unevenness"); name == "indenter" && node != nullptr)
+    into.unevenness = read_unevenness(file_, *node);
+  const toml::node* node = table.get("hold");
+  if (name != "load" || node == nullptr) return;
+  const toml::table& hold = table_of_path(table, *node, "load.hold");
+  if (const toml::node* other = table.get("irregular"))
     throw file_.error("load.irregular", other, "left out, because load.hold is given too");
   if (into.scene.load.normal_force.size() != 1)
-    throw file_.error("load.hold", &node, "given with one normal_force, in N");
-  into.hold = read_hold_load(file_, table);
+    throw file_.error("load.hold", node, "given with one normal_force, in N");
+  into.hold = read_hold_load(file_, hold);
+}
+
+template <class Scene>
+typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(const string& name, std::size_t chosen,
+                                                                             const toml::table& table) {
+  Alternative made;
+  const TomlFile file = concrete(name, chosen);
+  made.scene = read_scene(file);
+  const auto found = distributions(name, table);
+  for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
+  check_ends(made, found);
+  if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
+    take_irregular(table, *node, made);
+  take_own_keys(name, table, made);
+  return made;
 }
 
 /// Grips in all loads or in none, on sensors that they share, and uneven faces with them alone.
-template <class Scene>
-void SweepReaderOf<Scene>::check_holds(const Source& source) const {
+template <>
+void SweepReaderOf<fem::PadScene>::check_holds(const PadSource& source) const {
   const auto of_hold = [](const Alternative& load) { return load.hold.has_value(); };
   const bool any = std::ranges::any_of(source.load_.alternatives, of_hold);
   if (any && !std::ranges::all_of(source.load_.alternatives, of_hold))
     throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
-  if constexpr (!of_lines<Scene>)
-    if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
-      const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
-      const double first = rate(source.load_.alternatives.front());
-      if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
-        throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
-    }
+  if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
+    const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
+    const double first = rate(source.load_.alternatives.front());
+    if (!(first > 0) ||
+        !std::ranges::all_of(source.load_.alternatives, [&](auto& load) { return rate(load) == first; }))
+      throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
+  }
   const auto all = tables("indenter");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)
       throw file_.error("indenter.unevenness", all[i]->get("unevenness"), "left out, or given with [load.hold]");
-    if constexpr (!of_lines<Scene>)
-      if (any && source.indenter_.alternatives[i].scene.indenter.young)
-        throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
+    if (any && source.indenter_.alternatives[i].scene.indenter.young)
+      throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
   }
 }
 
 /// What sets ask of markers; the file of their places.
-template <class Scene>
-void SweepReaderOf<Scene>::take_markers(Source& source) const {
+template <>
+void SweepReaderOf<fem::PadScene>::take_markers(PadSource& source) const {
   constexpr double least_depth = 0.02;  // H: where the kernel's sums are still as good as cells
   const auto markers = source.markers();
   if (!markers) return;
@@ -364,6 +366,15 @@ void SweepReaderOf<Scene>::take_markers(Source& source) const {
       throw file_.error("markers.depth", table["depth"].node(), "a fiftieth of sensor.thickness or more in sweeps");
   if (const auto name = table["places"].value<string>())
     source.files_.push_back(*file_sum(*name, {{markers->places.front().data(), 2 * markers->places.size()}}));
+}
+
+/// What sweeps of pads alone ask.
+template <>
+void SweepReaderOf<fem::Scene>::check_whole(SceneSource&) const {}
+template <>
+void SweepReaderOf<fem::PadScene>::check_whole(PadSource& source) const {
+  check_holds(source);
+  take_markers(source);
 }
 
 template <class Scene>
@@ -462,12 +473,13 @@ void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource
 /// Whether each contact draws its own of the numbers that tables of many sensors serve.
 template <class Scene>
 bool SweepReaderOf<Scene>::draws_own_sensors(const Part& part) const {
-  const auto own = [](const NumberDraw& draw) {
+  const auto is_sensors = [](const NumberDraw& draw) {
     for (const char* key : {"sensor.poisson", "sensor.thickness", "sensor.young", "sensor.length"})
       if (draw.place == number_place<Scene>(key, "")) return true;
     return false;
   };
-  return std::ranges::any_of(part.alternatives, [&](const auto& from) { return std::ranges::any_of(from.draws, own); });
+  return std::ranges::any_of(part.alternatives,
+                             [&](const auto& from) { return std::ranges::any_of(from.draws, is_sensors); });
 }
 
 /// Sensors that are given stand as they are; one with distributions is drawn `count` times, or by each contact (count
@@ -483,11 +495,8 @@ void SweepReaderOf<Scene>::read_sensors(Source& source, int count) {
   if (count == 0) count = usual_sensors;
   for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
     const Alternative& from = part.alternatives[i];
-    if constexpr (of_lines<Scene>) {
-      if (from.scene.model != part.alternatives[0].scene.model)
-        throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
-      source.model_ = from.scene.model;
-    }
+    if (source.model_ = model_of(from.scene); source.model_ != model_of(part.alternatives[0].scene))
+      throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
     const int copies = from.draws.empty() ? 1 : count;
     for (int copy = 0; copy < copies; ++copy) {
       Scene scene = from.scene;
@@ -530,8 +539,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");
   source.load_ = part("load");
-  check_holds(source);
-  if constexpr (!of_lines<Scene>) take_markers(source);
+  check_whole(source);
   source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;

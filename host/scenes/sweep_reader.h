@@ -43,11 +43,11 @@ class SweepReaderOf {
   Alternative alternative(const std::string& name, std::size_t chosen, const toml::table& table);
   NumberDraw number_draw(const Found& found, const std::string& shape);
   void check_ends(const Alternative& alternative, const std::vector<Found>& found) const;
+  void take_own_keys(const std::string& name, const toml::table& table, Alternative& into);  ///< of lines, of pads
   void take_random_profile(const toml::table& table, Alternative& into);
-  void take_slip_index(const toml::table& load, Alternative& into);
   const toml::table& table_of_path(const toml::table& load, const toml::node& node, const std::string& name) const;
   void take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const;
-  void take_hold(const toml::table& load, const toml::node& node, Alternative& into) const;
+  void check_whole(Source& source) const;
   void check_holds(const Source& source) const;
   void take_markers(Source& source) const;
   NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
@@ -60,6 +60,18 @@ class SweepReaderOf {
   std::uint32_t next_ = 0;  ///< number of the next draw
 };
 
+template <>
+void SweepReaderOf<fem::Scene>::take_own_keys(const std::string&, const toml::table&, SceneSource::Alternative&);
+template <>
+void SweepReaderOf<fem::PadScene>::take_own_keys(const std::string&, const toml::table&, PadSource::Alternative&);
+template <>
+void SweepReaderOf<fem::PadScene>::check_holds(const PadSource&) const;
+template <>
+void SweepReaderOf<fem::PadScene>::take_markers(PadSource&) const;
+template <>
+void SweepReaderOf<fem::Scene>::check_whole(SceneSource&) const;
+template <>
+void SweepReaderOf<fem::PadScene>::check_whole(PadSource&) const;
 template <>
 void SweepReaderOf<fem::Scene>::read_own_sensors(SceneSource& source, SceneSource::Part&& part);
 template <>

@@ -97,6 +97,15 @@ std::optional<double> radius_of(const Shapes& shape) {
       shape);
 }
 
+/// Numbers that pads alone have.
+struct PadNumbers {
+  std::optional<double> width{}, young_of_object{}, curvature{};
+};
+PadNumbers pad_numbers(const fem::Scene&) { return {}; }
+PadNumbers pad_numbers(const fem::PadScene& scene) {
+  return {scene.sensor.width, scene.indenter.young, scene.sensor.curvature_radius};
+}
+
 constexpr std::uint64_t most_looked_at = 100;  ///< contacts of a sweep
 
 /// Warns of each number once.
@@ -107,12 +116,11 @@ class UnitWarnings {
     look(usual_young, scene.sensor.young, place);
     look(usual_thickness, scene.sensor.thickness, place);
     look(usual_length, scene.sensor.length, place);
-    if constexpr (requires { scene.sensor.width; }) look(usual_width, scene.sensor.width, place);
+    const PadNumbers of_pad = pad_numbers(scene);
+    look(usual_width, of_pad.width, place);
     look(usual_radius, radius_of(scene.indenter.shape), place);
-    if constexpr (requires { scene.indenter.young; }) {
-      look(usual_object, scene.indenter.young, place);
-      look(usual_curvature, scene.sensor.curvature_radius, place);
-    }
+    look(usual_object, of_pad.young_of_object, place);
+    look(usual_curvature, of_pad.curvature, place);
     look(measured(scene.indenter.shape), depth_of(scene.load), place);
   }
   std::vector<std::string> take() { return std::move(all_); }
@@ -176,11 +184,11 @@ std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes) { 
 std::vector<std::string> unit_warnings(const AnySource& source) {
   UnitWarnings warnings;
   std::visit(
-      [&](const auto& of) {
-        auto scene = typename std::remove_cvref_t<decltype(of)>::Contact{}.scene;
-        for (const auto& sensor : of.sensors()) scene.sensor = sensor, warnings.look_at(scene);
-        for (std::uint64_t k = 0; k < std::min(of.contacts(), most_looked_at); ++k)
-          warnings.look_at(of.contact(k).scene);
+      [&](const auto& sweep) {
+        auto scene = typename std::remove_cvref_t<decltype(sweep)>::Contact{}.scene;
+        for (const auto& sensor : sweep.sensors()) scene.sensor = sensor, warnings.look_at(scene);
+        for (std::uint64_t k = 0; k < std::min(sweep.contacts(), most_looked_at); ++k)
+          warnings.look_at(sweep.contact(k).scene);
       },
       source);
   return warnings.take();

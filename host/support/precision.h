@@ -17,6 +17,11 @@ inline const char* name(Precision precision) { return precision == Precision::fp
 inline Precision precision_named(std::string_view name, Precision usual = Precision::fp32) {
   return name.empty() ? usual : name == "fp64" ? Precision::fp64 : Precision::fp32;
 }
+/// Calls function.operator()<float>() or <double>(), as the precision asks.
+template <class Function>
+auto in_precision(Precision precision, const Function& function) {
+  return precision == Precision::fp32 ? function.template operator()<float>() : function.template operator()<double>();
+}
 /// Returns the OpenCL C type, for -DREAL=: "float" or "double".
 inline const char* real_type(Precision precision) { return precision == Precision::fp32 ? "float" : "double"; }
 

@@ -76,8 +76,8 @@ struct ProgressLine::State {
     std::vector<const State*> lines;
   };
   static Screen& screen() {
-    static Screen one;
-    return one;
+    static Screen of_stderr;
+    return of_stderr;
   }
 
   State(std::string job, std::string unit, double per_count, ProgressTimes times)

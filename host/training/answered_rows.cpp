@@ -45,6 +45,13 @@ float* copy_frame(const ContactSet& set, std::size_t row, bool markers, float* t
 
 }  // namespace
 
+std::vector<float> frames_of(const ContactSet& set, bool markers) {
+  std::vector<float> frames(set.rows() * static_cast<std::size_t>(frame_inputs(set, markers)));
+  float* to = frames.data();
+  for (std::size_t row = 0; row < set.rows(); ++row) to = copy_frame(set, row, markers, to);
+  return frames;
+}
+
 AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target, bool markers) {
   AnsweredRows answered;
   answered.target = target;

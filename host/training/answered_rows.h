@@ -24,6 +24,8 @@ inline const char* unread(bool markers) { return markers ? "inputs" : "markers";
 inline int frame_inputs(const SetColumns& set, bool markers) {
   return markers ? set.marker_numbers / 3 * 2 : set.inputs;
 }
+/// Returns the frames of all rows, [rows][frame_inputs].
+std::vector<float> frames_of(const ContactSet& set, bool markers);
 /// Throws ConfigError naming `file` and a dataset that training and judging need and that the set has not.
 void require_answers(const SetColumns& columns, const std::string& file, nn::Target target = nn::Target::slip_index,
                      bool markers = false);

@@ -148,8 +148,8 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, Pr
                                                           std::span<const NamedNetwork> networks,
                                                           const nn::FrameSet& set, bool keep_rows,
                                                           const Progress& progress, double spread) {
-  const auto recall = precision == Precision::fp64 ? recall_in<double> : recall_in<float>;
-  return recall(executor, networks, set, keep_rows, progress, spread);
+  return in_precision(
+      precision, [&]<class Real>() { return recall_in<Real>(executor, networks, set, keep_rows, progress, spread); });
 }
 
 }  // namespace tactel::host

@@ -389,8 +389,9 @@ TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const Tra
   Lesson lesson = read_lesson(request, plan, device, watch);
   if (ranks.first()) TrainingDirectory(request.output).check(request.resume, request.force);
   ranks.barrier();
-  if (request.precision == "fp64") return Training<double>(request, plan, ranks, lesson, executor, watch).run();
-  return Training<float>(request, plan, ranks, lesson, executor, watch).run();
+  return in_precision(precision_named(request.precision), [&]<class Real>() {
+    return Training<Real>(request, plan, ranks, lesson, executor, watch).run();
+  });
 } catch (const ValueError& error) {
   throw ConfigError(request.stream.empty() ? request.set : request.stream, error);
 }

@@ -4,8 +4,7 @@
    have SUMMANDS parts whatever WIDE is, so that their bits are the same. Device only. */
 #ifndef TACTEL_PAD_FREE_SIDES_H
 #define TACTEL_PAD_FREE_SIDES_H
-#include "shared/pad_layout.h"
-#include "shared/unroll.h"
+#include "pad/cells.h"
 
 #if WIDE == 1
 typedef REAL wide;
@@ -17,9 +16,7 @@ typedef JOIN(REAL, WIDE) wide;
 #define STORE_WIDE(v, p) JOIN(vstore, WIDE)(v, 0, p)
 #endif
 
-#define SUMMANDS 16
 #define PARTS (SUMMANDS / WIDE)
-#define BLOCKS (COUNT / SUMMANDS) /* of a row */
 
 /* Numbers of a scene's table: rows of all cells, [COUNT][PAIR_PLANES][COUNT]; of the ring around them z alone,
    [4 (CELLS + 1)][3][COUNT]. Then room to make it in, which is no private memory, for a GPU would set that aside for
@@ -242,6 +239,62 @@ OUTLINE void make_pairs(const SidePart *part, global const real *head, global co
     add_side_part(&box, first, shares, row, 3, units, cosine, sine, to);
   }
 #undef MIDDLE
+}
+
+/* Displacement along z at place k of the ring, (ix, iy), by the cells listed. Returns whether there is rubber. */
+INLINE int displacement_of_ring(const Influence *influence, global const vreal *heights, const Cells *c, int k, int ix,
+                                int iy, Lanes *z) {
+  if (heights[(ix + 1) * RING + iy + 1] >= PAD_OPEN) return 0; /* the table lacks it */
+  global const real *row = influence->table + RING_AT + (size_t)3 * COUNT * k;
+  wide sum[PARTS];
+  EACH(p, PARTS) { sum[p] = 0; }
+  ROLLED for (int b = 0; b < c->blocks; ++b) EACH(p, PARTS) {
+    const int j = SUMMANDS * c->block[b] + p * WIDE;
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZN * COUNT + j), LOAD_WIDE((const real *)c->n + j), sum[p]);
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZX * COUNT + j), LOAD_WIDE((const real *)c->tx + j), sum[p]);
+    sum[p] = fma(LOAD_WIDE(row + PLANE_ZY * COUNT + j), LOAD_WIDE((const real *)c->ty + j), sum[p]);
+  }
+  z->v[0] = -sum_of(sum);
+  return 1;
+}
+
+/* Displacement at a cell by the cells listed. */
+INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
+  global const real *row = influence->table + (size_t)PAIR_PLANES * COUNT * (ix * CELLS + iy);
+  wide z_sum[PARTS], x_sum[PARTS], y_sum[PARTS];
+  wide zn[PARTS], zx[PARTS], zy[PARTS], xx[PARTS], xy[PARTS], xn[PARTS], yx[PARTS], yy[PARTS], yn[PARTS];
+  EACH(p, PARTS) { zn[p] = zx[p] = zy[p] = xx[p] = xy[p] = xn[p] = yx[p] = yy[p] = yn[p] = 0; }
+  ROLLED for (int b = 0; b < c->blocks; ++b) EACH(p, PARTS) {
+    const int j = SUMMANDS * c->block[b] + p * WIDE;
+    const wide n = LOAD_WIDE((const real *)c->n + j), tx = LOAD_WIDE((const real *)c->tx + j),
+               ty = LOAD_WIDE((const real *)c->ty + j);
+    zn[p] = fma(LOAD_WIDE(row + PLANE_ZN * COUNT + j), n, zn[p]);
+    zx[p] = fma(LOAD_WIDE(row + PLANE_ZX * COUNT + j), tx, zx[p]);
+    zy[p] = fma(LOAD_WIDE(row + PLANE_ZY * COUNT + j), ty, zy[p]);
+    xx[p] = fma(LOAD_WIDE(row + PLANE_XX * COUNT + j), tx, xx[p]);
+    xy[p] = fma(LOAD_WIDE(row + PLANE_XY * COUNT + j), ty, xy[p]);
+    xn[p] = fma(LOAD_WIDE(row + PLANE_XN * COUNT + j), n, xn[p]);
+    yx[p] = fma(LOAD_WIDE(row + PLANE_YX * COUNT + j), tx, yx[p]);
+    yy[p] = fma(LOAD_WIDE(row + PLANE_YY * COUNT + j), ty, yy[p]);
+    yn[p] = fma(LOAD_WIDE(row + PLANE_YN * COUNT + j), n, yn[p]);
+  }
+  EACH(p, PARTS) {
+    x_sum[p] = xx[p] + xy[p] - xn[p];
+    y_sum[p] = yx[p] + yy[p] - yn[p];
+    z_sum[p] = zn[p] + zx[p] + zy[p];
+  }
+  x->v[0] = sum_of(x_sum);
+  y->v[0] = sum_of(y_sum);
+  z->v[0] = -sum_of(z_sum);
+}
+
+/* Rows of a sweep are divided by what each cell does to itself. */
+INLINE void set_own(const Influence *influence, Cells *c) {
+  ROLLED for (int i = 0; i < COUNT; ++i) {
+    global const real *own = influence->table + (size_t)PAIR_PLANES * COUNT * i + i;
+    c->per_own_n[i].v[0] = 1 / own[PLANE_ZN * COUNT];
+    c->per_own_t[i].v[0] = 1 / fmax(own[PLANE_XX * COUNT], own[PLANE_YY * COUNT]);
+  }
 }
 
 #endif

@@ -32,11 +32,9 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     dy.v[v] = PICK(running, target->y.v[v], s->y.v[v]) - s->y.v[v];
     dtwist.v[v] = PICK(running, target->twist.v[v], s->twist.v[v]) - s->twist.v[v];
     const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
+    const vint anew = STEPPED ? running & s->anew.v[v] : (vint)(0);
     const vint moves =
-#if STEPPED
-        (running & s->anew.v[v]) |
-#endif
-        s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
+        anew | s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
     const vreal along =
         fma(change_d, s->change_d.v[v],
             fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));

@@ -35,11 +35,7 @@ OUTLINE void residual_of_cells(const Influence *influence, const Cells *c, const
     const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),
                slips = pressed & NOT(sticks) & (length > 0);
     const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
-#if STEPPED
-    const vreal inside = PICK(c->near[i].v[v], -gap, ALL_LANES(0));
-#else
-    const vreal inside = -gap;
-#endif
+    const vreal inside = PICK(NEAR(c, i, v), -gap, ALL_LANES(0));
     r->penetration.v[v] = LARGER(inside, r->penetration.v[v]);
     r->complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), r->complementarity.v[v]), r->complementarity.v[v]);
     r->cone.v[v] = PICK(pressed, LARGER((length - edge) / most.v[v], r->cone.v[v]), r->cone.v[v]);

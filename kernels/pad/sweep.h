@@ -21,15 +21,10 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
     const int i = c->list[k];
     Lanes ux, uy, uz;
     displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &ux, &uy, &uz);
-#if STEPPED
     add_own(c, i, &ux, &uy, &uz);
-#endif
     EACH_VECTOR(v) {
-#if OWN_ROWS
-      const vreal step = w.v[v] * c->per_own_n[i].v[v], step_t = w.v[v] * c->per_own_t[i].v[v];
-#else
-      const vreal step = w.v[v], step_t = step;
-#endif
+      const vreal step = OWN_ROWS ? w.v[v] * c->per_own_n[i].v[v] : w.v[v],
+                  step_t = OWN_ROWS ? w.v[v] * c->per_own_t[i].v[v] : w.v[v];
       const vint mine = s->active.v[v] & c->window[i].v[v];
       const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
       const vreal n = LARGER(fma(step, uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
@@ -65,9 +60,7 @@ OUTLINE void sum_afresh(const Influence *influence, Cells *c) {
   ROLLED for (int k = 0; k < SUMMED(c); ++k) {
     const int i = CELL_SUMMED(c, k);
     displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &c->ux[i], &c->uy[i], &c->uz[i]);
-#if STEPPED
     add_own(c, i, &c->ux[i], &c->uy[i], &c->uz[i]);
-#endif
   }
 }
 
@@ -77,11 +70,7 @@ OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, S
     const int i = CELL_SUMMED(c, k);
     const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
     const vint joins = solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) &
-                       (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v])
-#if STEPPED
-                       & c->near[i].v[v]
-#endif
-        ;
+                       (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]) & NEAR(c, i, v);
     c->window[i].v[v] |= joins;
     s->active.v[v] |= joins;
   }

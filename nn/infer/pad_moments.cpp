@@ -49,17 +49,17 @@ PadMoments::Sums PadMoments::sums(std::span<const float> frame, std::span<const 
 }
 
 Change PadMoments::change(std::span<const float> frame, std::span<const float> rest) const noexcept {
-  const Sums now = sums(frame, frame), then = sums(rest, frame);
-  const double ratio = now.force / then.force, most = std::max(now.force, then.force);
+  const Sums pressed = sums(frame, frame), then = sums(rest, frame);
+  const double ratio = pressed.force / then.force, most = std::max(pressed.force, then.force);
   Change change;
   for (std::size_t m = 0; m < count_; ++m)
-    change.moments[m] = (now.moments[which_[m]] - ratio * then.moments[which_[m]]) / most;
+    change.moments[m] = (pressed.moments[which_[m]] - ratio * then.moments[which_[m]]) / most;
   double moved = 0;
   const auto pattern = [&](std::size_t axis, bool less_mean) {
     double sum = 0, square = 0, count = 0;
     for (std::size_t k = axis * tactels_; k < (axis + 1) * tactels_; ++k) {
       if (!std::isfinite(frame[k])) continue;
-      const double e = frame[k] / now.force - rest[k] / then.force, way = double{frame[k]} - rest[k];
+      const double e = frame[k] / pressed.force - rest[k] / then.force, way = double{frame[k]} - rest[k];
       sum += e, square += e * e, moved += way * way, ++count;
     }
     return less_mean && count > 0 ? std::max(square - sum * sum / count, 0.0) : square;
@@ -76,8 +76,8 @@ Change PadMoments::change(std::span<const float> frame, std::span<const float> r
 double PadMoments::friction(std::span<const float> frame) const noexcept {
   const auto at = [&](std::size_t k) { return std::isfinite(frame[k]) ? double{frame[k]} : 0.0; };
   const auto pressure = [&](std::size_t t) { return std::max(-at(t), 0.0); };
-  const Sums now = sums(frame, frame);
-  if (!(now.force > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const Sums pressed = sums(frame, frame);
+  if (!(pressed.force > 0)) return std::numeric_limits<double>::quiet_NaN();
   double all = 0, x = 0, y = 0, way = 0, torque = 0;
   for (std::size_t t = 0; t < tactels_; ++t) all += pressure(t), x += pressure(t) * x_[t], y += pressure(t) * y_[t];
   x /= all, y /= all;
@@ -87,7 +87,7 @@ double PadMoments::friction(std::span<const float> frame) const noexcept {
     if (axes_ > 1) torque -= dy * at(tactels_ + t);
     if (axes_ > 2) torque += dx * at(2 * tactels_ + t);
   }
-  return std::hypot(now.moments[0], now.moments[1], way > 0 ? torque / way : 0) / now.force;
+  return std::hypot(pressed.moments[0], pressed.moments[1], way > 0 ? torque / way : 0) / pressed.force;
 }
 
 }  // namespace tactel::infer

@@ -110,8 +110,8 @@ struct LiveServer::State {
   }
 
   void ring() const {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake, &one, sizeof one);
+    const std::uint64_t wakes = 1;
+    [[maybe_unused]] const auto written = ::write(wake, &wakes, sizeof wakes);
   }
 
   void serve() {

@@ -110,9 +110,10 @@ std::string learnt_text(const nn::Learnt& learnt) {
 std::string friction_text(std::span<const float> mu) {
   std::string text;
   bool read = false;
-  for (const float one : mu) {
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", std::isnan(one) ? "not read" : fmt::format("{:.2g}", one));
-    read |= !std::isnan(one);
+  for (const float each : mu) {
+    text +=
+        fmt::format("{}{}", text.empty() ? "" : ", ", std::isnan(each) ? "not read" : fmt::format("{:.2g}", friction));
+    read |= !std::isnan(each);
   }
   return read ? "note: it slides: friction " + text : "note: friction was not read: no frame has an answer";
 }

@@ -157,9 +157,9 @@ std::string add_slide(const TareRequest& request, const SensorProfile& profile, 
   std::vector<double> mean(tactels_of(profile).size());  // of logarithms
   for (const std::string& given : request.slides) {
     const OpenSource slide = open_recording(request, given, calibration);
-    const std::vector<double> one = read_slide(*slide.source, tared, given);
+    const std::vector<double> readings = read_slide(*slide.source, tared, given);
     for (std::size_t i = 0; i < mean.size(); ++i)
-      mean[i] += std::log(one[i]) / static_cast<double>(request.slides.size());
+      mean[i] += std::log(readings[i]) / static_cast<double>(request.slides.size());
   }
   for (const double log : mean) calibration.slide.push_back(std::exp(log));
   return fmt::format("it slides at Q / P = {:.3g}", fmt::join(calibration.slide, ", "));

@@ -134,8 +134,7 @@ LaunchKey LineContacts::key(const fem::Sensor& sensor, ContactKind kind) const {
 
 std::shared_ptr<const Solver> LineContacts::solver(const fem::Sensor& sensor) const {
   if (patch() && patch()->exact) return std::make_shared<OnManyElements>(executor_, patch()->options);
-  return model_.precision == Precision::fp32 ? solver_on<float>(executor_, sensor, model_)
-                                             : solver_on<double>(executor_, sensor, model_);
+  return in_precision(model_.precision, [&]<class Real>() { return solver_on<Real>(executor_, sensor, model_); });
 }
 
 void LineContacts::finish(std::span<const fem::Scene> scenes, Solutions& solutions) const {

@@ -57,10 +57,10 @@ struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
       : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
-    const bool own = options.tolerance == 0 && options.accept == 0;
+    const bool by_default = options.tolerance == 0 && options.accept == 0;
     const double usual = sizeof(Real) == 4 ? 1e-5 : 1e-11;
     const auto [tolerance, accept] =
-        fem::by_rule<Real>({own ? usual : options.tolerance, options.accept}, fem::slow_on_mesh);
+        fem::by_rule<Real>({by_default ? usual : options.tolerance, options.accept}, fem::slow_on_mesh);
     this->options.tolerance = tolerance;
     this->options.accept = options.accept > 0 ? accept : std::max(accept, 2 * fem::lost_force(condensation));
     const Device& device = executor.device();

@@ -58,9 +58,9 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const fem::PatchOptions& of, KernelTables&& numbers)
+  State(Executor& executor, const fem::PatchOptions& given, KernelTables&& numbers)
       : executor(executor),
-        options(of),
+        options(given),
         lanes_of_group(executor.device().lanes(precision)),
         interleaved_lanes(executor.device().interleaved(precision)),
         tactels(numbers.tactels),

@@ -71,9 +71,8 @@ struct PadContact<Real>::State {
                       {"VECTORS", std::to_string(std::max(vectors, 1))},
                       {"OWN_TABLES", std::to_string(vectors == own_tables)}};
       if (mapped) defines.emplace_back("FRICTION_MAP", "1");
-      if (free) defines.emplace_back("FREE_SIDES", "1");
       if (free) defines.emplace_back("WIDE", std::to_string(device().lanes(precision)));
-      return Program(device(), "pad_contact.cl", defines);
+      return Program(device(), free ? "pad_free_contact.cl" : "pad_contact.cl", defines);
     });
   }
 
@@ -81,26 +80,25 @@ struct PadContact<Real>::State {
   void lay(PadOnCells& on, std::optional<fem::PadCells> cells, const fem::PadSearch* found) {
     fem::PadScene& scene = on.scene;
     const double H = scene.sensor.thickness;
-    const bool free = fem::has_free_sides(scene.sensor);
-    const auto means = free ? rubbers.tables({scene.sensor.poisson}, true) : nullptr;
     const auto& at = scene.indenter.position;
-    if (free) on.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual, StopScope::checker());
+    on.sides = fem::sides_at(scene.sensor, {at[0], at[1]}, fem::SideBricks::usual, StopScope::checker());
+    const auto means = on.sides.free() ? rubbers.tables({scene.sensor.poisson}, true) : nullptr;
     double depth = 0;
     if (!cells) {
       const auto on_pad = [&](const fem::PadLayer& layer) {
-        return fem::lay_cells_on_pad(scene, layer, options.cells, on.sides);
+        return fem::lay_cells(scene, layer, options.cells, options.ladder, on.sides);
       };
-      fem::PadLayout laid = found   ? fem::lay_cells(*found, scene, options.cells, options.ladder)
-                            : !free ? fem::lay_cells(scene, fem::pad_layer(scene), options.cells, options.ladder)
+      fem::PadLayout laid = found                      ? fem::lay_cells(*found, scene, options.cells, options.ladder)
+                            : !means                   ? on_pad(fem::pad_layer(scene))
                             : on.object().softness > 0 ? on_pad(means->layer()->beside(on.object()))
                                                        : on_pad(*means->layer());
       scene.indenter = std::move(laid.indenter), cells = laid.cells, depth = laid.depth;
     }
-    on.solvable = fem::solvable(*cells, H, depth) && !(free && reaches_beyond_block(scene, *cells));
+    on.solvable = fem::solvable(*cells, H, depth) && !reaches_beyond_block(scene, *cells);
     if (!on.solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
     on.cells = *cells, on.size = cell_size(*cells, H), on.path = fem::pad_increments(scene, options, *cells);
     on.heights = (fem::heights_on_pad(on.cells, scene).transpose() / H).cwiseMin(double{PAD_OPEN}).reshaped();
-    if (!free) return;
+    if (!means) return;
     on.softs = fem::shared_compliances(on.cells, scene) / H;
     on.influence = means->influence(on.size, on.object());
   }

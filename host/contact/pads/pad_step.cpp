@@ -12,6 +12,7 @@
 #include "fem/numbers/value_error.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
+#include "host/contact/pads/pad_contact.h"
 #include "host/device/unwritten.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
@@ -44,8 +45,10 @@ int rubber_beyond(const fem::PadSensor& pad, const fem::PadCells& cells) {
 std::vector<double> head_of_states(const fem::PadSensor& pad, const fem::PadCells& cells,
                                    const fem::SoftObject& object) {
   const double H = pad.thickness;
-  std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson, 0, 0};
-  if (fem::has_free_sides(pad)) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
+  const std::array block = free_block(pad);
+  std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H,
+                          pad.poisson,     block[0] / H,       block[1] / H};
+  static_assert(state_length == 5 && state_width == 6);
   const auto layers = fem::rubber(pad).layers;
   const bool creeps = !pad.relaxation.empty();
   if (object.softness > 0 || !layers.empty() || creeps) all.insert(all.end(), {object.softness, object.poisson});
@@ -71,7 +74,7 @@ PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std:
   const std::size_t terms = pad.relaxation.size(), creeping = terms == 0 ? 0 : 3 * (1 + terms) * cell_count(),
                     state_rows = STEP_FIELDS * cell_count() + STEP_NUMBERS + creeping;
   check_count(state_rows);
-  if (fem::has_free_sides(pad)) {
+  if (free_block(pad)[0] > 0) {
     check_within_pad(pad, options_);
     sides_ = fem::sides_at(pad, {0, 0}, fem::SideBricks::usual, StopScope::checker());
   }

@@ -44,7 +44,8 @@ class PadStepper {
   std::size_t tactels() const { return stresses_.numbers.rows / 3; }
   const fem::PadCells& cells() const { return cells_; }
   const StepOptions& options() const { return options_; }
-  std::size_t lanes() const { return width_ * vectors_; }                ///< contacts of a work-item
+  bool of_means() const { return sides_.has_value(); }     ///< what cells do to each other are means, beside free sides
+  std::size_t lanes() const { return width_ * vectors_; }  ///< contacts of a work-item
   std::size_t state_rows() const { return head_.size() + state_.rows; }  ///< numbers of a contact in state()
 
   /// Seconds that each step takes from now on, of rubber that creeps.

@@ -11,6 +11,7 @@
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_surface.h"
 #include "fem/pad/side_kernel.h"
+#include "host/contact/pads/pad_contact.h"
 
 namespace tactel::host {
 namespace {
@@ -37,13 +38,13 @@ AlongXY<int> cells_over(double length, double width) {
 
 /// Options with a grid, as the pad asks where none is given.
 StepOptions with_grid(const fem::PadSensor& pad, StepOptions options) {
-  const bool fits = fem::has_free_sides(pad) && !options.cell.given;
-  if (!fits) {
+  const auto [whole_length, whole_width, thickness, poisson] = free_block(pad);
+  if (!(whole_length > 0) || options.cell.given) {
     if (!options.cells.given) options.cells = usual_grid;
     if (!options.cell.given) options.cell = usual_cell;
     return options;
   }
-  const double length = gridded(*pad.length, pad.thickness), width = gridded(*pad.width, pad.thickness);
+  const double length = gridded(whole_length, thickness), width = gridded(whole_width, thickness);
   if (!options.cells.given) options.cells = cells_over(length, width);
   options.cell = {length / options.cells.x, width / options.cells.y};
   return options;

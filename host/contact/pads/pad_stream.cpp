@@ -42,7 +42,7 @@ class OnPads final : public SensorSolver<PadContacts> {
 /// Solves by the twin what the kernel did not.
 template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
-  const bool own_layer = fem::has_free_sides(scene.sensor) || scene.indenter.young;
+  const bool own_layer = free_block(scene.sensor)[0] > 0 || scene.indenter.young;
   const auto layer = own_layer ? std::make_shared<const fem::PadLayer>(fem::pad_layer(scene))
                                : contact.layer(fem::rubber(scene.sensor));
   fem::PadOptions exact = contact.options();
@@ -103,12 +103,10 @@ PadKey PadContacts::key(const fem::PadScene& scene) {
 std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::PadSensor& sensor) const {
   return std::visit(
       [&]<class Real>(const PadContact<Real>& contact) -> std::shared_ptr<const SensorSolver<PadContacts>> {
-        if (fem::has_free_sides(sensor))
-          fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual, StopScope::checker());
-        else
+        if (!fem::sides_at(sensor, {0, 0}, fem::SideBricks::usual, StopScope::checker()).free())
           contact.layer(fem::rubber(sensor));
-        const bool is_long = fem::has_free_sides(sensor) &&
-                             std::max(*sensor.length, *sensor.width) > fem::longest_block * sensor.thickness;
+        const std::array block = free_block(sensor);
+        const bool is_long = std::max(block[0], block[1]) > fem::longest_block * sensor.thickness;
         return std::make_shared<OnPads<Real>>(is_long ? contact.for_long_pads() : contact);
       },
       contact_);

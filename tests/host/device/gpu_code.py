@@ -25,8 +25,10 @@ VALUES = {"ELEMENTS": (8, 12, 24), "CELLS": (8, 12, 16, 24), "FORCE_CONTROL": (0
 
 def variants(kernel):
     """The -D options of each variant of a kernel."""
-    line = re.search(r"^// defines: *(.*)", kernel.read_text(encoding="utf-8"), re.M)
-    words = dict(word.split("=") for word in line[1].split()) if line else {}
+    line = re.search(r"^// defines( of WIDE)?: *(.*)", kernel.read_text(encoding="utf-8"), re.M)
+    words = dict(word.split("=") for word in line[2].split()) if line else {}
+    if line and line[1]:
+        words["WIDE"] = "1"
     choices = [[f"-D{name}={value}" for value in VALUES.get(name, (value,))] for name, value in words.items()]
     return list(itertools.product(*choices))
 

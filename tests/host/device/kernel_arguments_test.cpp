@@ -65,13 +65,14 @@ std::string element_of(std::string type) {
   return type;
 }
 
-/// What a source needs beyond LANES and REAL: its line `// defines: A=1 B=2`.
+/// What a source needs beyond LANES and REAL: its line `// defines: A=1 B=2`, or `// defines of WIDE: ...`.
 Defines defines_of(const kernels::Source& source) {
   Defines defines = {{"LANES", "4"}, {"REAL", "float"}};
   std::cmatch line;
-  if (!std::regex_search(source.text.begin(), source.text.end(), line, std::regex("// defines:([^\n]*)")))
+  if (!std::regex_search(source.text.begin(), source.text.end(), line, std::regex("// defines( of WIDE)?:([^\n]*)")))
     return defines;
-  const std::string words = line[1];
+  if (line[1].matched) defines = {{"LANES", "1"}, {"WIDE", "4"}, {"REAL", "float"}};
+  const std::string words = line[2];
   const std::regex pair("(\\w+)=(\\S+)");
   for (auto word = std::sregex_iterator(words.begin(), words.end(), pair); word != std::sregex_iterator(); ++word)
     defines.emplace_back((*word)[1], (*word)[2]);
