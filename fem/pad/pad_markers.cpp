@@ -170,6 +170,7 @@ void validate(const Camera& camera) {
   check_length("camera.pixels_per_mm", camera.pixels_per_mm, "a number between 1e-6 and 1e6");
   for (const double pixel : camera.centre)
     require(std::abs(pixel) <= 1e6, "camera.centre", pixel, "two pixels, -1e6 to 1e6");
+  require(camera.noise_px >= 0 && camera.noise_px <= 1e6, "camera.noise_px", camera.noise_px, "pixels, 0 to 1e6");
 }
 
 Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells,

@@ -105,8 +105,6 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
-  if (scene.camera)
-    throw file.error("camera", file.root().get("camera"), "left out of sweeps: sets have displacements of markers");
   if (scene.friction_map)
     throw file.error("contact.friction_map", file.root().get("contact")->as_table()->get("friction_map"),
                      "left out of sweeps: solve and PadStepper take it");

@@ -344,12 +344,27 @@ struct RowsFrom {
 void put_sensor(SetRow& row, const fem::Sensor& sensor) { row.length = sensor.length; }
 void put_sensor(SetRow&, const fem::PadSensor&) {}
 
+/// The markers of a set, and the camera that sees them.
+struct Seen {
+  std::optional<Markers> markers{};
+  std::optional<Camera> camera{};
+
+  /// Puts where they are seen, displaced by `moved`, [markers][x, y, z] mm, with the noise of a step.
+  void put(std::span<const float> moved, std::uint64_t seed, const SetRow& row, std::span<float> pixels) const {
+    const Eigen::Map<const Eigen::Matrix3Xf> u(moved.data(), 3, static_cast<Eigen::Index>(moved.size() / 3));
+    Eigen::Map<Eigen::Matrix2Xf>(pixels.data(), 2, u.cols()) =
+        fem::pixels_of(*camera, *markers, u.cast<double>().transpose()).transpose().cast<float>();
+    if (camera->noise_px > 0)
+      nn::add_pixel_noise(pixels, camera->noise_px, seed, row.contact, static_cast<std::uint32_t>(row.step));
+  }
+};
+
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
 template <class Contacts>
-void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
+void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts, const Seen& seen) {
   const auto columns = set_columns(set);
   const auto inputs = static_cast<std::size_t>(set.inputs), directions = static_cast<std::size_t>(set.directions());
-  const auto markers = static_cast<std::size_t>(set.marker_numbers);
+  const auto markers = static_cast<std::size_t>(set.marker_numbers), pixels = markers / 3 * 2;
   int most = 0;
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
@@ -368,6 +383,9 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
       step.young = contact.sensor.young, put_sensor(step, contact.sensor);
       each(columns, [&](const auto& column) { column.put(from.at, step, directions); });
       if (markers > 0) from.steps.markers(k, std::span(set.markers).subspan(from.at * markers, markers));
+      if (seen.camera)
+        seen.put(std::span(set.markers).subspan(from.at * markers, markers), set.seed, step,
+                 std::span(set.pixels).subspan(from.at * pixels, pixels));
       from.steps.stress(k, std::span(set.frames).subspan(from.at++ * inputs, inputs));
     }
 }
@@ -569,13 +587,14 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         take(k, {}, along_side(solution));
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
-  set.contacts = chunk.count;
+  set.contacts = chunk.count, set.seed = source_.seed();
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
+  const Seen seen{source_.markers(), source_.camera()};
   std::vector<RowsFrom<Contacts>> together;
   const auto put = [&] {
-    put_rows(set, std::span(together));
+    put_rows(set, std::span(together), seen);
     together.clear();
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
@@ -590,7 +609,6 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   set.indenter_names = source_.kind_names();
   set.transducer = nn::description(source_.transducer());
   set.device = executor_.device().info().name;
-  set.seed = source_.seed();
   set.press_rows = source_.press_rows();
   range.seconds.gather = seconds_since(start) - range.seconds.solve_again;
   return set;
@@ -601,7 +619,8 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
   if constexpr (!SourceOf<Scene>::of_lines)
     columns.axes = source.sensors().front().axes,
-    columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers()));
+    columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers())),
+    columns.pixel_numbers = source.camera() ? columns.marker_numbers / 3 * 2 : 0;
   const auto parameters = source.parameters();
   for (const auto& column : parameters.columns()) {
     columns.parameter_names.push_back(column.name);

@@ -314,7 +314,7 @@ class Sweeps(unittest.TestCase):
     def test_have_the_markers_of_the_program(self):
         text = """[sweep]\ncontacts = 8\n[sensor]\nkind = "pad"\nthickness = 2\n[indenter]\nshape = "sphere"
 radius = { uniform = [4, 9] }\n[load]\nindentation = 0.2\ntangential = [[0.05, { uniform = [-0.1, 0.1] }]]
-[markers]\ncounts = [5, 3]\npitch = 0.6\ndepth = 0.2\n"""
+[markers]\ncounts = [5, 3]\npitch = 0.6\ndepth = 0.2\n[camera]\nnoise_px = 0.01\n"""
         with tempfile.TemporaryDirectory() as folder:
             file, of_program = os.path.join(folder, "marked.toml"), os.path.join(folder, "marked.h5")
             pathlib.Path(file).write_text(text, encoding="utf-8")
@@ -346,6 +346,9 @@ class Networks(unittest.TestCase):
         self.assertEqual(network.topology, "66-8-1")
         answers = network.estimator(frames)
         np.testing.assert_array_equal(network.estimator(mirrored.reshape(-1, 48)), answers)
+            np.testing.assert_array_equal(rows.pixels, there.pixels)
+            np.testing.assert_allclose(rows.pixels[own], path.pixels[rows.step[own]], atol=0.05 + 0.2 * far)  # 5 deviations; 20 pixels/mm
+            self.assertEqual(scene.camera.noise_px, 0.01)
         mirrored[:, 1] *= -1  # a mirror image with the shear of the other side
         self.assertFalse(np.array_equal(network.estimator(mirrored.reshape(-1, 48)), answers))
         with self.assertRaisesRegex(tactel.InputError, "must be frame"):

@@ -193,7 +193,13 @@ TEST(PadSource, ContactsShareTheirMarkers) {
   };
   EXPECT_THAT(refused("[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\n", ""),
               AllOf(HasSubstr("markers"), HasSubstr("its own thickness"), HasSubstr("[sweep] sensors = n")));
-  EXPECT_THAT(refused(sensor, "[camera]\n"), AllOf(HasSubstr("camera"), HasSubstr("left out of sweeps")));
+  const PadSource seen = pads(head + sensor + sphere + press + markers + "[camera]\nnoise_px = 0.1\n");
+  EXPECT_EQ(seen.camera(), Camera{.noise_px = 0.1});
+  EXPECT_EQ(seen.contact(7).scene.camera, seen.camera());
+  EXPECT_FALSE(sweep.camera());
+  for (const char* noise : {"-0.1", "nan", "inf", "1e7", "'much'", "{ uniform = [0, 1] }"})
+    EXPECT_THAT(refused(sensor, std::string("[camera]\nnoise_px = ") + noise), HasSubstr("camera.noise_px")) << noise;
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + press + "[camera]\n"), HasSubstr("without markers"));
   EXPECT_THAT(refused(sensor, "depth = 0.03\n"),
               HasSubstr("markers.depth = 0.03: must be a fiftieth of sensor.thickness or more in sweeps"));
   EXPECT_THAT(refused(sensor, "depth = { uniform = [0.1, 0.2] }\n"), HasSubstr("markers.depth"));

@@ -187,7 +187,7 @@ std::string marked(const std::string& markers) {
 
 /// As a GPU has them: one lane, work-groups of 64 with a ragged end, and memory of its own.
 TEST_F(PadSet, OnAGpuTheBytesAreTheSame) {
-  const PadSource sweep = source(marked("counts = [3, 2]\n"));
+  const PadSource sweep = source(marked("counts = [3, 2]\n[camera]\nnoise_px = 1\n"));
   Executor gpu{Device("").as_gpu()};
   const ContactSet expected = SetSimulator(executor_, sweep, options_).simulate(0, 60),
                    found = SetSimulator(gpu, sweep, options_).simulate(0, 60);
@@ -407,6 +407,65 @@ TEST_F(PadSet, MarkersChangeNothingElse) {
   EXPECT_GT(check_contact_set(file, {}).chunks, 3 * chunks);  // of 1 MiB at most, 4 for 64 rows
   EXPECT_FALSE(only_columns(columns_of(sweep), "inputs").has("markers"));
   EXPECT_TRUE(only_columns(columns_of(sweep), "inputs,markers").has("markers"));
+}
+
+/// Noise of 0.5 pixels: its mean over n numbers is within 4 / sqrt(n) of that of 0, its square within 4 sqrt(2 / n), and
+/// its product with the next number, the next marker's, the next row's and that of another seed as far from 0.
+TEST_F(PadSet, PixelsAreThoseOfTheMarkersWithNoise) {
+  const std::string text = marked("counts = [7, 5]\ndepth = 0.3\n[camera]\ndistance = 25\ncentre = [320, 240]\n");
+  const auto simulate = [&](const std::string& text, std::uint64_t first, std::uint64_t count) {
+    const PadSource sweep = source(text);
+    return SetSimulator(executor_, sweep, options_).simulate(first, count);
+  };
+  const ContactSet plain = simulate(text, 0, 60), set = simulate(text + "noise_px = 0.5\n", 0, 60);
+  std::string reseeded = text + "noise_px = 0.5\n";
+  reseeded.replace(reseeded.find("seed = 26"), 9, "seed = 27");
+  ASSERT_EQ(set.pixel_numbers, 70);
+  EXPECT_EQ(set.markers, plain.markers);
+  EXPECT_EQ(set.frames, plain.frames);
+  const PadSource sweep = source(text);
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    Eigen::MatrixX3d moved(35, 3);
+    for (int k = 0; k < 105; ++k) moved(k / 3, k % 3) = set.markers[105 * row + static_cast<std::size_t>(k)];
+    const Eigen::MatrixX2d pixels = fem::pixels_of(*sweep.camera(), *sweep.markers(), moved);
+    for (int k = 0; k < 70; ++k)
+      ASSERT_EQ(plain.pixels[70 * row + static_cast<std::size_t>(k)], static_cast<float>(pixels(k / 2, k % 2)));
+  }
+  const ContactSet other = simulate(reseeded, 0, 60);
+  const auto noise_of = [](const ContactSet& seen) {  // where nothing moves is not seen: of a set without noise
+    std::vector<double> noise;
+    for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+      const std::size_t row = i / 70, marker = i % 70 / 2, axis = i % 2;
+      const double place = axis == 0 ? (marker % 7) - 3.0 : (marker / 7) - 2.0;  // mm
+      const float *u = &seen.markers[105 * row + 3 * marker];
+      const double at = (axis == 0 ? 320 : 240) + 20 * (place + u[axis] - place * u[2] / 25);
+      noise.push_back((seen.pixels[i] - at) / 0.5);
+    }
+    return noise;
+  };
+  const std::vector<double> noise = noise_of(set), others = noise_of(other);
+  const auto n = static_cast<double>(noise.size());
+  ASSERT_GT(n, 1e4);
+  const auto mean = [&](const auto& of) {
+    double sum = 0;
+    for (std::size_t i = 0; i < noise.size(); ++i) sum += of(i);
+    return sum / n;
+  };
+  EXPECT_NEAR(mean([&](std::size_t i) { return noise[i]; }), 0, 4 / std::sqrt(n));
+  EXPECT_NEAR(mean([&](std::size_t i) { return noise[i] * noise[i]; }), 1, 4 * std::sqrt(2 / n));
+  for (const std::size_t apart : {1u, 2u, 4u, 70u, 140u})
+    EXPECT_NEAR(mean([&](std::size_t i) { return noise[i] * noise[(i + apart) % noise.size()]; }), 0, 4 / std::sqrt(n));
+  EXPECT_NEAR(mean([&](std::size_t i) { return noise[i] * others[i % others.size()]; }), 0, 4 / std::sqrt(n));
+  const ContactSet part = simulate(text + "noise_px = 0.5\n", 17, 2);
+  const auto row = static_cast<std::size_t>(std::ranges::find(set.contact, 17u) - set.contact.begin());
+  ASSERT_GT(part.rows(), 0u);
+  for (std::size_t k = 0; k < part.rows(); ++k)
+    EXPECT_EQ(row_of(part.pixels, k, 70), row_of(set.pixels, row + k, 70)) << k;
+  const auto file = folder_ / "seen.h5";
+  write_contact_set(file, set);
+  EXPECT_TRUE(check_contact_set(file, {}).damage.empty());
+  EXPECT_EQ(read_contact_set(file).pixels, set.pixels);
+  EXPECT_TRUE(read_contact_set(file, "markers").pixels.empty());
 }
 
 /// With rows of the pressing, first presses that touch few cells are solved alone, on cells of their own.
