@@ -37,15 +37,21 @@
    work-item makes the table of all pairs of its scene's cells (pad/free_sides.h), and takes WIDE cells at a time. Rows
    of a sweep are divided by what each cell does to itself.
 
-   FRICTION_MAP 1: mu differs from cell to cell. S then has the share of each. */
-// defines: CELLS=8 VECTORS=1 OWN_TABLES=1 FRICTION_MAP=1
+   FRICTION_MAP 1: mu differs from cell to cell. S then has the share of each.
+
+   CREEP_TERMS, 1 to 4: the rubber creeps (pad/creep.h). Numbers of terms that a scene lacks are 0. */
+// defines: CELLS=8 VECTORS=1 OWN_TABLES=1 FRICTION_MAP=1 CREEP_TERMS=2
 // defines of WIDE: CELLS=8 VECTORS=1 OWN_TABLES=0 FREE_SIDES=1
+#include "pad/creep.h"
 #include "pad/increment.h"
 #include "pad/residual.h"
 #include "pad/slip_margin.h"
 #include "pad/sweep.h"
 
 #define INPUT_ROWS (PAD_INPUT_ROWS + FRICTION_MAP * COUNT)
+#define PATH_ROWS (PAD_PATH_ROWS + (CREEPING ? 1 + CREEP_NUMBERS * CREEP_TERMS : 0))
+/* n, t_x, t_y of each cell; of rubber that creeps then those that would strain elastic rubber as far. */
+#define FORCE_PARTS (CREEPING ? 6 : 3)
 #define MOST_FORCE_TRIALS 60
 #define MOST_STEPS 16 /* load steps that the base stress is summed for at once */
 
@@ -78,7 +84,7 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
   }
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
+    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
   }
 }
 
@@ -156,8 +162,13 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
              t_unit = influence->hx * influence->hy / influence->root_tt;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
     global const vreal *in = lane_input + v * INPUT_ROWS;
-    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE], H = in[PAD_THICKNESS];
-    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0;
+    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], H = in[PAD_THICKNESS];
+#if CREEPING
+    const vreal force = in[PAD_FORCE] / s->softer.v[v];
+#else
+    const vreal force = in[PAD_FORCE];
+#endif
+    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0, grip = 0;
     vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
     vreal first_x = CELLS, last_x = -1, first_y = CELLS, last_y = -1;
     for (int k = 0; k < c->listed; ++k) {
@@ -169,8 +180,16 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
       const vreal own_x = s->x_middle.v[v] + x_of(influence, i), own_y = s->y_middle.v[v] + y_of(influence, i);
       M = fma(own_x, y, fma(-own_y, x, M));
       const vint touches = n > 0;
-      const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - c->ux[i].v[v] * influence->root_tt,
-                  slip_y = s->y.v[v] + s->twist.v[v] * own_x - c->uy[i].v[v] * influence->root_tt;
+#if CREEPING
+      const vreal ux = c->ux[i].v[v] + CREPT(c, 0, i, v), uy = c->uy[i].v[v] + CREPT(c, 1, i, v);
+#else
+      const vreal ux = c->ux[i].v[v], uy = c->uy[i].v[v];
+#endif
+#if FRICTION_MAP
+      grip = fma(MU(i, v), n, grip);
+#endif
+      const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - ux * influence->root_tt,
+                  slip_y = s->y.v[v] + s->twist.v[v] * own_x - uy * influence->root_tt;
       slid = PICK(touches, LARGER(fma(slip_x, slip_x, slip_y * slip_y), slid), slid);
       const vreal pad_x = cosine * own_x - sine * own_y, pad_y = sine * own_x + cosine * own_y;
       left = PICK(touches, SMALLER(pad_x, left), left);
@@ -207,6 +226,10 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
     to[PAD_RESULT_SLID] = s->slid.v[v] * H;
     to[PAD_RESULT_SLIP_PATH] = s->slip_path.v[v] * H;
+    to[PAD_RESULT_MU] = in[PAD_MU];
+#if FRICTION_MAP
+    to[PAD_RESULT_MU] = PICK(P > 0, grip * t_unit / (P * n_unit), in[PAD_MU]);
+#endif
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
@@ -227,13 +250,19 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     }
     if (!a->write_forces) continue;
     for (int i = 0; i < COUNT; ++i)
-      for (int part = 0; part < 3; ++part) {
-        STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
-              number);
+      for (int part = 0; part < FORCE_PARTS; ++part) {
+#if CREEPING
+        if (part >= 3) {
+          const vreal traction = part == 3 ? c->n[i].v[v] : part == 4 ? c->tx[i].v[v] : c->ty[i].v[v];
+          STORE((traction + CREPT(c, part, i, v)) * (part == 3 ? n_unit : t_unit) * in[PAD_FORCE], number);
+        } else
+#endif
+          STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
+                number);
         for (int l = 0; l < LANES; ++l)
           if (place[l] >= 0)
-            a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * 3 + part) * COUNT + i] =
-                number[l];
+            a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * FORCE_PARTS + part) * COUNT +
+                      i] = number[l];
       }
   }
 }
@@ -252,8 +281,8 @@ static void check_input(global const vreal *lane_input, global const vreal *path
     }
     for (int k = 0; k < increments; ++k) {
       const vint own = in[PAD_STEPS] > (real)k;
-      for (int r = 0; r < PAD_PATH_ROWS; ++r)
-        sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PAD_PATH_ROWS + r]), sum);
+      for (int r = 0; r < PATH_ROWS; ++r)
+        sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PATH_ROWS + r]), sum);
     }
     s->valid.v[v] = (sum == 0) & (in[PAD_MU] >= 0);
     s->lowest.v[v] = lowest;
@@ -292,13 +321,17 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     c.per_own_t[i].v[v] = 1 / fmax(own[PLANE_XX * COUNT], own[PLANE_YY * COUNT]);
 #endif
   }
+#if CREEPING
+  Memory memory;
+  forget(&memory);
+#endif
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
     Target target;
     Masks solving;
     EACH_VECTOR(v) {
       global const vreal *in = lane_input + v * INPUT_ROWS;
-      global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
+      global const vreal *to = path + (v * increments + k) * PATH_ROWS;
       s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
       slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
       target.normal.v[v] = to[PAD_NORMAL];
@@ -307,6 +340,11 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
       target.twist.v[v] = to[PAD_TWIST];
     }
     if (!any_of(&s.running)) break;
+#if CREEPING
+    global const vreal *creep_rows = path + k * PATH_ROWS + PAD_PATH_ROWS;
+    begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+    EACH_VECTOR(v) { target.normal.v[v] *= PICK(s.by_force.v[v], s.softer.v[v], ALL_LANES(1)); }
+#endif
     start_increment(influence, &target, heights, &c, &s, &solving);
     do {
       list_cells(&s.active, &c);
@@ -326,6 +364,9 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     add_slide(influence, &c, &s);
     if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
     remember(&c, &s);
+#if CREEPING
+    end_creep(creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+#endif
   }
   /* Lanes whose input is no scene. */
   ROLLED for (int v = 0; v < VECTORS; ++v) {
@@ -342,8 +383,8 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
 /* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
    [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
-   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
-   not 0. */
+   Out: result; forces [lane of all groups][slots][FORCE_PARTS][cells] N, in the own frame, where write_forces is not
+   0. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
                         global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
@@ -360,7 +401,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const size_t vector = first_vector + group * VECTORS;
   const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
+  walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PATH_ROWS,
        heights + vector * RING * RING, increments, tolerance, &answers);
 }
 #endif
@@ -385,7 +426,7 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
   make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const Answers answers = {scene, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input, path + scene * increments * PAD_PATH_ROWS, heights, increments, tolerance, &answers);
+  walk(&influence, lane_input, path + scene * increments * PATH_ROWS, heights, increments, tolerance, &answers);
 }
 
 /* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
@@ -403,7 +444,7 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
   const real unit = place[PAD_PLACE_THICKNESS] * place[PAD_PLACE_THICKNESS];
   real on_node[3 * MOST_SIDE_NODES * MOST_SIDE_NODES];
   for (int k = 0; k < (int)place[PAD_PLACE_STEPS]; ++k) {
-    global const real *f = forces + (group * slots + k) * 3 * COUNT;
+    global const real *f = forces + (group * slots + k) * FORCE_PARTS * COUNT;
     for (int m = 0; m < 3 * nodes; ++m) on_node[m] = 0;
     for (int i = 0; i < COUNT; ++i) {
       const real n = f[i], tx = f[COUNT + i], ty = f[2 * COUNT + i];
@@ -441,11 +482,12 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
    layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; points [blocks][parts][x, y][LANES] mm: times
    1 / H of the scene; weights [parts]; shares [points of a cell along a side][place over the side, share of its force].
    Out: stress [scenes][slots][numbers], from `from` on [3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's frame. With
-   another table, of displacements at a depth, and markers in place of tactels: u_z, u_x, u_y in mm. */
+   another table, of displacements at a depth, and markers in place of tactels: u_z, u_x, u_y in mm. first_part: the
+   first of the FORCE_PARTS that are summed. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
                             global const real *places, global const real *shares, global const real *points,
                             global const real *weights, int parts, int tactels, int slots, int numbers, int from,
-                            global const real *forces, global real *stress) {
+                            int first_part, global const real *forces, global real *stress) {
   TAKE_GROUP(group);
   const size_t blocks = (tactels + LANES - 1) / LANES, scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
@@ -457,7 +499,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
   const int along_y = (int)place[PAD_PLACE_COUNT_Y], in_cell = (int)place[PAD_PLACE_COUNT_X] * along_y;
   const real per_H = place[PAD_PLACE_THICKNESS];
   points += block * parts * 2 * LANES;
-  forces += scene * slots * 3 * COUNT;
+  forces += (scene * slots * FORCE_PARTS + first_part) * COUNT;
   stress += scene * slots * numbers + from + block * LANES;
   const int own_tactels = tactels - (int)block * LANES < LANES ? tactels - (int)block * LANES : LANES;
   vreal sum[3 * MOST_STEPS];
@@ -466,7 +508,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
     for (int k = 0; k < 3 * count; ++k) sum[k] = 0;
     for (int i = 0; i < COUNT; ++i) {
       int loaded = 0;
-      for (int k = 0; k < count; ++k) loaded |= forces[(first + k) * 3 * COUNT + i] > 0;
+      for (int k = 0; k < count; ++k) loaded |= forces[(first + k) * FORCE_PARTS * COUNT + i] > 0;
       if (!loaded) continue;
       vreal T[9];
       EACH(r, 9) { T[r] = 0; }
@@ -500,7 +542,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
         T[8] += b[1] + even;
       }
       for (int k = 0; k < count; ++k) {
-        global const real *f = forces + (first + k) * 3 * COUNT + i;
+        global const real *f = forces + (first + k) * FORCE_PARTS * COUNT + i;
         const real n = f[0], tx = f[COUNT], ty = f[2 * COUNT];
         EACH(r, 3) {
           sum[3 * k + r] = fma(T[3 * r], ALL_LANES(n),

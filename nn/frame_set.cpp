@@ -213,9 +213,10 @@ void add_pixel_noise(std::span<float> pixels, double deviation, std::uint64_t se
                      std::uint32_t step) {
   const std::uint64_t quads = (pixels.size() + 3) / 4;
   add_normals(pixels, deviation, 0, [&](std::uint64_t quad) {
-    return philox4x32({static_cast<std::uint32_t>(contact), static_cast<std::uint32_t>(contact >> 32),
-                       static_cast<std::uint32_t>(RandomStream::pixel), static_cast<std::uint32_t>(step * quads + quad)},
-                      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+    return philox4x32(
+        {static_cast<std::uint32_t>(contact), static_cast<std::uint32_t>(contact >> 32),
+         static_cast<std::uint32_t>(RandomStream::pixel), static_cast<std::uint32_t>(step * quads + quad)},
+        {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
   });
 }
 

@@ -112,9 +112,8 @@ void bind_set(py::module_& m) {
             return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
           },
           "[rows, axes tactels] MPa: normal stresses (compression < 0), then shear")
-      .def_property_readonly(
-          "markers", of_markers(&Set::markers, 3),
-          "[rows, markers, 3] mm along x, y, z, of pads with markers: their displacements")
+      .def_property_readonly("markers", of_markers(&Set::markers, 3),
+                             "[rows, markers, 3] mm along x, y, z, of pads with markers: their displacements")
       .def_property_readonly("pixels", of_markers(&Set::pixels, 2),
                              "[rows, markers, 2] where the sweep's camera sees them, with its noise")
       .def(

@@ -201,7 +201,10 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
     scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
   }
   scene.indenter = indenter.scene.indenter;
-  if constexpr (!of_lines) scene.markers = indenter.scene.markers, scene.camera = indenter.scene.camera;
+  if constexpr (!of_lines) {
+    scene.markers = indenter.scene.markers, scene.camera = indenter.scene.camera;
+    scene.friction_map = contact.scene.friction_map;
+  }
   scene.friction = contact.scene.friction;
   scene.load = load.scene.load;
   for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);

@@ -105,9 +105,6 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
-  if (scene.friction_map)
-    throw file.error("contact.friction_map", file.root().get("contact")->as_table()->get("friction_map"),
-                     "left out of sweeps: solve and PadStepper take it");
   // Contacts with free sides take some ten times longer: they are asked for.
   if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
   return scene;
@@ -307,7 +304,7 @@ template <class Scene>
 const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, const toml::node& node,
                                                        const string& name) const {
   for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
-                          "slip_index", "indentation_steps"})
+                          "slip_index", "indentation_steps", "times"})
     if (const toml::node* other = load.get(key))
       throw file_.error(string("load.") + key, other, "left out, because " + name + " is given too");
   if (const toml::table* table = node.as_table()) return *table;
@@ -333,13 +330,25 @@ void SweepReaderOf<Scene>::check_holds(const Source& source) const {
     throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
-  if constexpr (!of_lines<Scene>)
-    if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
-      const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
-      const double first = rate(source.load_.alternatives.front());
-      if (!(first > 0) || !std::ranges::all_of(source.load_.alternatives, [&](auto& of) { return rate(of) == first; }))
-        throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
+  if constexpr (!of_lines<Scene>) {
+    const auto creeps = [](const auto& sensor) { return !sensor.relaxation.empty(); };
+    const auto timed = [](const Alternative& load) { return !load.scene.load.times.empty(); };
+    const auto rate = [](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
+    const auto& loads = source.load_.alternatives;
+    const double first = rate(loads.front());
+    const auto of_first = [&](const Alternative& load) { return rate(load) == first; };
+    if (!any && std::ranges::any_of(loads, timed)) {
+      if (!std::ranges::all_of(source.sensors_, creeps) || !std::ranges::all_of(loads, timed))
+        throw file_.error("load.times", nullptr, "in every [[load]], with relaxation in every [[sensor]], or in none");
+    } else if (std::ranges::any_of(source.sensors_, creeps) && !(first > 0 && std::ranges::all_of(loads, of_first))) {
+      throw file_.error("sensor.relaxation", nullptr,
+                        "left out, or given with load.times, or with one [load.hold] rate, in Hz");
     }
+    if (any)
+      for (const auto& contact : source.contact_.alternatives)
+        if (contact.scene.friction_map)
+          throw file_.error("contact.friction_map", nullptr, "left out with [load.hold], which has one mu");
+  }
   const auto all = tables("indenter");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)
@@ -347,6 +356,22 @@ void SweepReaderOf<Scene>::check_holds(const Source& source) const {
     if constexpr (!of_lines<Scene>)
       if (any && source.indenter_.alternatives[i].scene.indenter.young)
         throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
+  }
+}
+
+/// Files that maps of friction name.
+template <class Scene>
+void SweepReaderOf<Scene>::take_maps(Source& source) const {
+  if constexpr (!of_lines<Scene>) {
+    const auto all = tables("contact");
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto name = all[i] ? (*all[i])["friction_map"].template value<string>() : std::nullopt;
+      std::vector<double> numbers;
+      if (name)
+        for (const auto& row : source.contact_.alternatives[i].scene.friction_map->rows)
+          numbers.insert(numbers.end(), row.begin(), row.end());
+      if (name) source.files_.push_back(*file_sum(*name, {numbers}));
+    }
   }
 }
 
@@ -530,6 +555,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.load_ = part("load");
   check_holds(source);
   if constexpr (!of_lines<Scene>) take_markers(source);
+  take_maps(source);
   source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;

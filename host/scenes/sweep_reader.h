@@ -50,6 +50,7 @@ class SweepReaderOf {
   void take_hold(const toml::table& load, const toml::node& node, Alternative& into) const;
   void check_holds(const Source& source) const;
   void take_markers(Source& source) const;
+  void take_maps(Source& source) const;
   NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
   void read_sensors(Source& source, int count);
   bool draws_own_sensors(const Part& part) const;

@@ -44,6 +44,7 @@ struct Contact {
   std::uint64_t number = 0;  ///< in the sweep
   typename Contacts::Sensor sensor;
   double friction = 0;
+  bool mapped = false;  ///< each step has its own, the mean over its cells
   std::uint16_t kind = 0;
   int first_step = 0;          ///< the first that may be a row
   bool until_sliding = false;  ///< of lines
@@ -66,7 +67,7 @@ void take_path(LineContact& contact, const fem::Scene&, const fem::LoadPath& pat
 void take_path(PathContact& contact, const fem::PadScene& scene, const PadPath& path) {
   contact.first_step = static_cast<int>(fem::pressing_targets(scene.load)) - 1;
   contact.presses = static_cast<int>(fem::presses_on(scene.load));
-  contact.path = path, contact.at = scene.indenter.position;
+  contact.path = path, contact.at = scene.indenter.position, contact.mapped = scene.friction_map.has_value();
 }
 void take_path(GripContact& contact, const HeldScene& scene, const HeldContacts::Path&) {
   contact.first_step = scene.hold.pressing() - 1;
@@ -81,7 +82,8 @@ template <class Contacts>
   const auto sticking = static_cast<int>(result(RESULT_STICKING));
   Step step;
   step.P = result(RESULT_P), step.indentation = result(RESULT_DEPTH);
-  const std::optional<double> index = slip_index(contact.friction, step.P, result(RESULT_S));
+  step.friction = contact.mapped ? result(PAD_RESULT_MU) : contact.friction;
+  const std::optional<double> index = slip_index(step.friction, step.P, result(RESULT_S));
   step.defined = index.has_value(), step.slip_index = index.value_or(0);
   step.slip_distance = result(RESULT_SLIP_DISTANCE), step.status = static_cast<int>(result(RESULT_STATUS));
   step.touching = sticking + static_cast<int>(result(RESULT_SLIPPING));
@@ -95,7 +97,7 @@ template <class Contacts>
   const auto result = [&](int row) { return answer.result(k, row); };
   Step step = common_step(answer, contact, k);
   step.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, step.M = result(PAD_RESULT_M);
-  if (step.defined) step.force_ratio = std::hypot(step.Q[0], step.Q[1]) / (contact.friction * step.P);
+  if (step.defined) step.force_ratio = std::hypot(step.Q[0], step.Q[1]) / (step.friction * step.P);
   step.slid = result(PAD_RESULT_SLID), step.slip_path = result(PAD_RESULT_SLIP_PATH);
   step.area = result(PAD_RESULT_AREA), step.across = static_cast<int>(result(PAD_RESULT_ACROSS));
   return step;
@@ -155,7 +157,7 @@ Step step_of(const fem::PadStep& from) {
   Step step = common_step(from);
   step.Q = {from.Q[0], from.Q[1]}, step.M = from.M, step.force_ratio = from.force_ratio.value_or(0);
   step.tangential = {from.x, from.y}, step.twist = fem::degrees(from.twist), step.residual = from.residual.largest();
-  step.slid = from.slid, step.slip_path = from.slip_path;
+  step.slid = from.slid, step.slip_path = from.slip_path, step.friction = from.mu;
   step.area = from.area, step.across = from.across, step.reach = from.reach;
   return step;
 }
@@ -316,7 +318,7 @@ class Slide {
   void take(Step& step, const PathContact& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
-    const double limit = contact.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young *
+    const double limit = step.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young *
                          fem::softer_in_shear(contact.sensor);
     step.slid = whole_.add(step.slid, limit), step.slip_path = cells_.add(step.slip_path, limit);
   }
@@ -377,7 +379,8 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts, const See
       if constexpr (of_paths<Contacts>) from.slide.take(step, contact);
       if (!is_row(step, contact, k)) continue;
       step.slip_index = std::clamp(step.slip_index, -1.0, 1.0);  // rounding apart, Q <= mu P
-      step.friction = contact.friction, step.outside = contact.outside, step.contact = contact.number;
+      if (!contact.mapped) step.friction = contact.friction;
+      step.outside = contact.outside, step.contact = contact.number;
       step.step = k, step.kind = contact.kind;
       step.poisson = contact.sensor.poisson, step.thickness = contact.sensor.thickness;
       step.young = contact.sensor.young, put_sensor(step, contact.sensor);

@@ -26,6 +26,19 @@
 #define FRICTION_MAP 0
 #endif
 #define MU(cell, vector) s->mu[FRICTION_MAP ? (cell) : 0].v[vector]
+/* CREEP_TERMS, of rubber that creeps: 1 to 4. Contacts have what it has crept to in their cells (pad/creep.h), steps in
+   their heights and history. */
+#ifndef CREEP_TERMS
+#define CREEP_TERMS 0
+#endif
+#define CREEPING (CREEP_TERMS > 0 && !STEPPED)
+#if CREEPING
+#define CREEPS 6 /* numbers of a cell that creep */
+#define CREPT(c, k, i, v) (c)->crept[(k)*COUNT + (i)].v[v]
+#define LESS_CREPT(c, i, v) -CREPT(c, 2, i, v)
+#else
+#define LESS_CREPT(c, i, v)
+#endif
 #define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
 
 /* CELLS_Y, of steps alone: cells along y where they are not CELLS, as along x. Cell (i, j) has index i CELLS_Y + j. */
@@ -73,6 +86,9 @@ typedef struct {
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
 #if OWN_ROWS
   Lanes per_own_n[COUNT], per_own_t[COUNT]; /* 1 / all that a cell does to itself: rows of a sweep are divided by it */
+#endif
+#if CREEPING
+  Lanes crept[CREEPS * COUNT]; /* before the increment */
 #endif
 #if FREE_SIDES
   int block[BLOCKS], blocks; /* of SUMMANDS cells, those with cells in the list */
@@ -124,6 +140,9 @@ typedef struct {
   Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
   Masks valid, running, active, failed, lost, by_force, searching;
+#if CREEPING
+  Lanes softer; /* the rubber in the increment, over elastic one */
+#endif
 #if STEPPED
   Lanes deep;  /* up to which depth `near` holds */
   Masks anew;  /* heights, covers or mu are not those of the last increment: the lane solves, wherever it moves */

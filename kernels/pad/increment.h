@@ -35,6 +35,8 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     const vint moves =
 #if STEPPED
         (running & s->anew.v[v]) |
+#elif CREEPING
+        running |
 #endif
         s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
     const vreal along =
@@ -75,7 +77,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     c->n[i].v[v] = PICK(moves, n, n0);
     c->tx[i].v[v] = PICK(moves, x, x0);
     c->ty[i].v[v] = PICK(moves, y, y0);
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
+    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
     c->gx[i].v[v] =
         fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
     c->gy[i].v[v] =

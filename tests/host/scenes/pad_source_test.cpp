@@ -182,6 +182,26 @@ TEST(PadSource, SharedSensorsAreDrawnOnce) {
   EXPECT_EQ(poissons.size(), 3u);
 }
 
+TEST(PadSource, RubberThatCreepsHasTimes) {
+  const std::string creeping = sensor + "relaxation = [[0.2, 0.5]]\n", timed = "times = [1.0]\n";
+  const PadSource sweep = pads(head + creeping + sphere + press + timed);
+  EXPECT_EQ(sweep.contact(3).scene.load.times, std::vector{1.0});
+  const PadSource drawn = pads(head + creeping + sphere + press + "times = [{ uniform = [1, 2] }]\n");
+  EXPECT_NE(drawn.contact(3).scene.load.times, drawn.contact(4).scene.load.times);
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press),
+              AllOf(HasSubstr("sensor.relaxation"), HasSubstr("given with load.times")));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + press + timed), HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + "times = [1.0, 2.0]\n"),
+              HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + "times = [-1.0]\n"), HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere +
+                                    "[[load]]\nindentation = 0.1\ntimes = [1.0]\n"
+                                    "[[load]]\nindentation = 0.1\n"),
+              AllOf(HasSubstr("load.times"), HasSubstr("in every [[load]]")));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + timed + "[load.irregular]\nsteps = 20\n"),
+              AllOf(HasSubstr("load.times"), HasSubstr("left out, because load.irregular is given too")));
+}
+
 TEST(PadSource, ContactsShareTheirMarkers) {
   const std::string markers = "[markers]\ncounts = [3, 2]\npitch = 0.5\ndepth = 0.1\n";
   const PadSource sweep = pads(head + sensor + "young = { uniform = [1, 2] }\n" + sphere + press + markers);
