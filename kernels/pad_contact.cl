@@ -33,8 +33,10 @@
    every lane has a table of its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share.
    The bits are those of a shared table.
 
-   FRICTION_MAP 1: mu differs from cell to cell. S then has the share of each. */
-// defines: CELLS=8 VECTORS=1 OWN_TABLES=1 FRICTION_MAP=1
+   FRICTION_MAP 1: mu differs from cell to cell. S then has the share of each.
+
+   CREEP_TERMS, 1 to 4: the rubber creeps (pad/creep.h). Numbers of terms that a scene lacks are 0. */
+// defines: CELLS=8 VECTORS=1 OWN_TABLES=1 FRICTION_MAP=1 CREEP_TERMS=2
 #include "pad/table_sums.h"
 #include "pad/path.h"
 
@@ -43,8 +45,8 @@
 /* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
    [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
-   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
-   not 0. */
+   Out: result; forces [lane of all groups][slots][FORCE_PARTS][cells] N, in the own frame, where write_forces is not
+   0. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
                         global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
@@ -56,7 +58,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const size_t vector = first_vector + group * VECTORS;
   const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PAD_PATH_ROWS,
+  walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PATH_ROWS,
        heights + vector * RING * RING, increments, tolerance, &answers);
 }
 
@@ -66,11 +68,12 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
    layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; points [blocks][parts][x, y][LANES] mm: times
    1 / H of the scene; weights [parts]; shares [points of a cell along a side][place over the side, share of its force].
    Out: stress [scenes][slots][numbers], from `from` on [3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's frame. With
-   another table, of displacements at a depth, and markers in place of tactels: u_z, u_x, u_y in mm. */
+   another table, of displacements at a depth, and markers in place of tactels: u_z, u_x, u_y in mm. first_part: the
+   first of the FORCE_PARTS that are summed. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
                             global const real *places, global const real *shares, global const real *points,
                             global const real *weights, int parts, int tactels, int slots, int numbers, int from,
-                            global const real *forces, global real *stress) {
+                            int first_part, global const real *forces, global real *stress) {
   TAKE_GROUP(group);
   const size_t blocks = (tactels + LANES - 1) / LANES, scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
@@ -82,7 +85,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
   const int along_y = (int)place[PAD_PLACE_COUNT_Y], in_cell = (int)place[PAD_PLACE_COUNT_X] * along_y;
   const real per_H = place[PAD_PLACE_THICKNESS];
   points += block * parts * 2 * LANES;
-  forces += scene * slots * 3 * COUNT;
+  forces += (scene * slots * FORCE_PARTS + first_part) * COUNT;
   stress += scene * slots * numbers + from + block * LANES;
   const int own_tactels = tactels - (int)block * LANES < LANES ? tactels - (int)block * LANES : LANES;
   vreal sum[3 * MOST_STEPS];
@@ -91,7 +94,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
     for (int k = 0; k < 3 * count; ++k) sum[k] = 0;
     for (int i = 0; i < COUNT; ++i) {
       int loaded = 0;
-      for (int k = 0; k < count; ++k) loaded |= forces[(first + k) * 3 * COUNT + i] > 0;
+      for (int k = 0; k < count; ++k) loaded |= forces[(first + k) * FORCE_PARTS * COUNT + i] > 0;
       if (!loaded) continue;
       vreal T[9];
       EACH(r, 9) { T[r] = 0; }
@@ -125,7 +128,7 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
         T[8] += b[1] + even;
       }
       for (int k = 0; k < count; ++k) {
-        global const real *f = forces + (first + k) * 3 * COUNT + i;
+        global const real *f = forces + (first + k) * FORCE_PARTS * COUNT + i;
         const real n = f[0], tx = f[COUNT], ty = f[2 * COUNT];
         EACH(r, 3) {
           sum[3 * k + r] = fma(T[3 * r], ALL_LANES(n),

@@ -28,7 +28,7 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
   make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const Answers answers = {scene, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input, path + scene * increments * PAD_PATH_ROWS, heights, increments, tolerance, &answers);
+  walk(&influence, lane_input, path + scene * increments * PATH_ROWS, heights, increments, tolerance, &answers);
 }
 
 /* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's
@@ -46,7 +46,7 @@ kernel void pad_side_stress(uint first_group, global const real *responses, glob
   const real unit = place[PAD_PLACE_THICKNESS] * place[PAD_PLACE_THICKNESS];
   real on_node[3 * MOST_SIDE_NODES * MOST_SIDE_NODES];
   for (int k = 0; k < (int)place[PAD_PLACE_STEPS]; ++k) {
-    global const real *f = forces + (group * slots + k) * 3 * COUNT;
+    global const real *f = forces + (group * slots + k) * FORCE_PARTS * COUNT;
     for (int m = 0; m < 3 * nodes; ++m) on_node[m] = 0;
     for (int i = 0; i < COUNT; ++i) {
       const real n = f[i], tx = f[COUNT + i], ty = f[2 * COUNT + i];

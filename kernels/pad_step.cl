@@ -19,7 +19,7 @@
 
    Built with -D REAL, LANES, CELLS, VECTORS as kernels/pad_contact.cl, CELLS_Y, and DENSE (0 | 1): with a table of all
    pairs of cells, where what a cell does depends on its place. */
-// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2 FRICTION_MAP=1
+// defines: CELLS=8 CELLS_Y=6 VECTORS=1 DENSE=1 CREEP_TERMS=2 MARKED=1 FRICTION_MAP=1
 #define STEPPED 1
 #define INPUT_ROWS (STEP_INPUT_ROWS + FRICTION_MAP * COUNT)
 #include "pad/table_sums.h"
@@ -28,12 +28,14 @@
 #include "pad/residual.h"
 #include "pad/splitting.h"
 
-/* CREEP_TERMS, of rubber that creeps: 1 to 4. */
-#ifndef CREEP_TERMS
-#define CREEP_TERMS 0
+/* MARKED 1: it has markers. */
+#ifndef MARKED
+#define MARKED 0
 #endif
 #define CREEP_AT (STEP_FIELDS * COUNT + STEP_NUMBERS)
-#define STATE_ROWS (CREEP_AT + (CREEP_TERMS > 0 ? 3 * (1 + CREEP_TERMS) * COUNT : 0))
+#define CREEP_FIELDS (MARKED ? 6 : 3) /* numbers of a cell that creep */
+#define STRAINING_AT (CREEP_AT + CREEP_FIELDS * (1 + CREEP_TERMS) * COUNT)
+#define STATE_ROWS (CREEP_TERMS == 0 ? CREEP_AT : STRAINING_AT + (MARKED ? 3 * COUNT : 0))
 
 /* A number of 24 bits that heights, covers and mu give: it tells whether they are those of the last step. */
 static vreal mark_of(global const vreal *in, global const vreal *heights, global const vreal *soft, int v) {
@@ -353,14 +355,14 @@ kernel void pad_step(uint first_group, global const real *table, global const re
 }
 
 #if CREEP_TERMS
-/* What the rubber of a cell has crept to, x, y, z: `own` is its state. */
-static inline void crept_at(global const real *numbers, global const vreal *own, vreal m[3]) {
+/* What the rubber of a cell has crept to, x, y, z, and its tractions: `own` is its state. */
+static inline void crept_at(global const real *numbers, global const vreal *own, vreal m[CREEP_FIELDS]) {
   global const vreal *w = own + CREEP_AT;
-  EACH(k, 3) { m[k] = 0; }
+  EACH(k, CREEP_FIELDS) { m[k] = 0; }
   EACH(t, CREEP_TERMS) {
     global const real *number = numbers + CREEP_NUMBERS * t;
-    EACH(k, 3) {
-      const vreal v = w[(3 * t + 3 + k) * COUNT];
+    EACH(k, CREEP_FIELDS) {
+      const vreal v = w[(CREEP_FIELDS * (1 + t) + k) * COUNT];
       m[k] = fma(ALL_LANES(number[CREEP_C]), v + (number[CREEP_LAST] * w[k * COUNT] - number[CREEP_FADES] * v), m[k]);
     }
   }
@@ -375,7 +377,7 @@ kernel void pad_creep_begin(uint first_group, global const real *table, global c
     const size_t vector = group * VECTORS + v;
     ROLLED for (int i = 0; i < COUNT; ++i) {
       global vreal *own = state + vector * STATE_ROWS + i;
-      vreal m[3];
+      vreal m[CREEP_FIELDS];
       crept_at(numbers, own, m);
       const vreal h = heights[vector * COUNT + i];
       crept_heights[vector * COUNT + i] = PICK(h >= PAD_OPEN, h, h - m[2] * table[PAD_ROOT_ZZ]);
@@ -411,16 +413,19 @@ kernel void pad_creep_end(uint first_group, global const real *table, global con
     ROLLED for (int v = 0; v < VECTORS; ++v) {
       global vreal *own = state + v * STATE_ROWS + i, *w = own + CREEP_AT;
       const vint open = c.n[i].v[v] == 0;
-      vreal m[3];
+      vreal m[CREEP_FIELDS];
       crept_at(numbers, own, m);
       own[STEP_GX * COUNT] = PICK(open, u[0].v[v], own[STEP_GX * COUNT]) + m[0];
       own[STEP_GY * COUNT] = PICK(open, u[1].v[v], own[STEP_GY * COUNT]) + m[1];
+#if MARKED
+      EACH(k, 3) { own[STRAINING_AT + k * COUNT] = own[k * COUNT] + m[3 + k]; }
+#endif
       EACH(k, STEP_GX) { own[k * COUNT] *= stiffer; }
-      EACH(k, 3) {
-        const vreal last = w[k * COUNT], now = u[k].v[v] * stiffer;
+      EACH(k, CREEP_FIELDS) {
+        const vreal last = w[k * COUNT], now = k < 3 ? u[k % 3].v[v] * stiffer : own[(k - 3) * COUNT];
         EACH(t, CREEP_TERMS) {
           global const real *number = numbers + CREEP_NUMBERS * t;
-          global vreal *to = w + (3 * t + 3 + k) * COUNT;
+          global vreal *to = w + (CREEP_FIELDS * (1 + t) + k) * COUNT;
           *to += number[CREEP_LAST] * last + (number[CREEP_NEW] * now - number[CREEP_FADES] * *to);
         }
         w[k * COUNT] = now;
@@ -432,13 +437,13 @@ kernel void pad_creep_end(uint first_group, global const real *table, global con
 
 /* Stress at the base under the tactels from the tractions of the state, by one matrix of the pad: base [blocks][cells][n,
    t_x, t_y][STEP_FRAME_BLOCK] MPa over a traction of the state, rows sigma_z, tau_x, tau_y of the tactels, with zeros
-   behind. Out: frames [contact][rows] MPa. */
-kernel void pad_frames(uint first_group, global const real *base, int rows, global const vreal *state,
+   behind. Out: frames [contact][rows] MPa. from: where the tractions are in a state. */
+kernel void pad_frames(uint first_group, global const real *base, int rows, int from, global const vreal *state,
                        global real *frames) {
   TAKE_GROUP(group);
   int list[COUNT], listed;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
-    global const vreal *own = state + (group * VECTORS + v) * STATE_ROWS;
+    global const vreal *own = state + (group * VECTORS + v) * STATE_ROWS + from;
     listed = 0;
     for (int i = 0; i < COUNT; ++i) {
       const vint presses = own[i] > 0;

@@ -186,18 +186,38 @@ void take_differences(RowMatrix<float>& frames, int history) {
   for (int k = 1; k < history; ++k) frames.middleCols(k * width, width) -= frames.leftCols(width);
 }
 
-void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first) {
+namespace {
+
+/// `words_of(quad)`: the words of values 4 quad ... 4 quad + 3.
+void add_normals(std::span<float> values, double deviation, std::uint64_t first, const auto& words_of) {
   std::array<double, 4> normal{};
   for (std::size_t k = 0; k < values.size(); ++k) {
     const std::uint64_t i = first + k;
     if (k == 0 || i % 4 == 0) {
-      const PhiloxCounter words = noise_words(seed, i / 4);
+      const PhiloxCounter words = words_of(i / 4);
       const auto [n0, n1] = normal_pair(words[0], words[1]);
       const auto [n2, n3] = normal_pair(words[2], words[3]);
       normal = {n0, n1, n2, n3};
     }
     values[k] += static_cast<float>(deviation * normal[i % 4]);
   }
+}
+
+}  // namespace
+
+void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first) {
+  add_normals(values, deviation, first, [seed](std::uint64_t quad) { return noise_words(seed, quad); });
+}
+
+void add_pixel_noise(std::span<float> pixels, double deviation, std::uint64_t seed, std::uint64_t contact,
+                     std::uint32_t step) {
+  const std::uint64_t quads = (pixels.size() + 3) / 4;
+  add_normals(pixels, deviation, 0, [&](std::uint64_t quad) {
+    return philox4x32(
+        {static_cast<std::uint32_t>(contact), static_cast<std::uint32_t>(contact >> 32),
+         static_cast<std::uint32_t>(RandomStream::pixel), static_cast<std::uint32_t>(step * quads + quad)},
+        {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  });
 }
 
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {

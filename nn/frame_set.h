@@ -131,5 +131,8 @@ constexpr PhiloxCounter noise_words(std::uint64_t seed, std::uint64_t quad) {
 /// Adds Gaussian noise of the standard deviation `deviation` to consecutive values of a set, the first of which is
 /// value `first`. Value i takes normal number i % 4 of noise_words(seed, i / 4) by Box and Muller (1958).
 void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first);
+/// The same of what a camera sees of a step of a contact, in the numbers of that contact.
+void add_pixel_noise(std::span<float> pixels, double deviation, std::uint64_t seed, std::uint64_t contact,
+                     std::uint32_t step);
 
 }  // namespace tactel::nn

@@ -37,6 +37,7 @@ enum class RandomStream : std::uint32_t {
   spread = 10,   ///< how much a sensor's transducers spread
   fault = 11,    ///< place, crosstalk, mixing and failure of a transducer
   frame = 12,    ///< drift and repeated frames of a contact
+  pixel = 13,    ///< noise of a camera
 };
 
 /// Returns four random words. `index` and `outer` count inside the stream: the weight; the step and the cycle;

@@ -17,14 +17,18 @@ class CreepHistory {
 
   /// Begins an increment of dt s. Returns how many times softer it is.
   double begin(PadContact& contact, double dt);
+  /// The tractions n, t_x, t_y that would strain elastic rubber as far as it is at the end of the increment.
+  Eigen::MatrixX3d straining(const PadContact& contact) const;
   /// Ends it: the contact then has its own tractions and heights.
   void end(PadContact& contact);
 
  private:
   Creep law_;
   CreepStep step_{};
-  Eigen::MatrixX3d crept_, elastic_;        ///< [cells] mm: m and w of fem/pad/creep.h
-  std::vector<Eigen::MatrixX3d> retarded_;  ///< [terms][cells] mm: v
+  using Cells = Eigen::Matrix<double, Eigen::Dynamic, 6>;  ///< [cells] displacements, mm; tractions n, t_x, t_y
+  static Cells now(const PadContact& contact);
+  Cells crept_, elastic_;        ///< m and w of fem/pad/creep.h
+  std::vector<Cells> retarded_;  ///< [terms] v
 };
 
 }  // namespace tactel::fem

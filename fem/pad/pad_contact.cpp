@@ -77,7 +77,7 @@ PadContact::PadContact(const PadInfluence* influence, const PadTable* table, con
       tolerance_(options.tolerance) {
   const int count = cells.count();
   n_ = n_last_ = Eigen::VectorXd::Zero(count);
-  t_ = t_last_ = stick_ = Eigen::MatrixX2d::Zero(count, 2);
+  t_ = t_last_ = stick_ = crept_ = Eigen::MatrixX2d::Zero(count, 2);
   u_ = Eigen::MatrixX3d::Zero(count, 3);
   active_.assign(count, 0);
   columns_.assign(cells.n, {0, 0});
@@ -114,7 +114,7 @@ void PadContact::set_heights(Eigen::MatrixXd height, Eigen::VectorXd softness) {
 
 void PadContact::creep(const Eigen::MatrixX3d& crept, double softer) {
   for (int i = 0; i < cells_.count(); ++i) height_(i / cells_.ny() + 1, i % cells_.ny() + 1) -= crept(i, 2);
-  stick_ -= crept.leftCols<2>();
+  stick_ -= crept.leftCols<2>(), crept_ += crept.leftCols<2>();
   n_ *= softer, n_last_ *= softer, t_ *= softer, t_last_ *= softer;
 }
 
@@ -331,7 +331,8 @@ void PadContact::remember() {
 double PadContact::slip_distance() const {
   double most = 0;
   for (int i = 0; i < cells_.count(); ++i)
-    if (n_[i] > 0) most = std::max(most, (path(i, PadMotion::Zero()) - u_.row(i).head<2>().transpose()).norm());
+    if (n_[i] > 0)
+      most = std::max(most, (path(i, PadMotion::Zero()) - (u_.row(i).head<2>() + crept_.row(i)).transpose()).norm());
   return most;
 }
 

@@ -158,6 +158,7 @@ class PadContact {
   Eigen::VectorXd n_, n_last_;
   Eigen::MatrixX2d t_, t_last_;
   Eigen::MatrixX2d stick_;  ///< mm: where a cell was at the last increment; it sticks from there
+  Eigen::MatrixX2d crept_;  ///< mm: where cells lie besides, in an increment
   Eigen::MatrixX3d u_;      ///< mm: displacements by fresh sums
   PadMotion motion_last_ = PadMotion::Zero();
   double slid_ = 0, slip_path_ = 0;          ///< mm

@@ -170,6 +170,7 @@ void validate(const Camera& camera) {
   check_length("camera.pixels_per_mm", camera.pixels_per_mm, "a number between 1e-6 and 1e6");
   for (const double pixel : camera.centre)
     require(std::abs(pixel) <= 1e6, "camera.centre", pixel, "two pixels, -1e6 to 1e6");
+  require(camera.noise_px >= 0 && camera.noise_px <= 1e6, "camera.noise_px", camera.noise_px, "pixels, 0 to 1e6");
 }
 
 Eigen::MatrixXd marker_rows(const Markers& markers, const PadScene& scene, const PadCells& cells,
@@ -230,7 +231,10 @@ void see_markers(const PadScene& scene, PadSolution& solution, const std::functi
     if (step.markers.rows() == 0) {  // else by the kernel, or on cells of the step alone
       if (rows.size() == 0) rows = marker_rows(*scene.markers, seen, cells, between);
       Eigen::VectorXd tractions(3 * cells.count());
-      tractions << step.normal_force, step.tangential_force.col(0), step.tangential_force.col(1);
+      if (step.straining.size() > 0)
+        tractions = step.straining.reshaped();
+      else
+        tractions << step.normal_force, step.tangential_force.col(0), step.tangential_force.col(1);
       step.markers = (rows * tractions / cells.area()).reshaped(3, rows.rows() / 3).transpose();
     }
     if (scene.camera) step.pixels = pixels_of(*scene.camera, *scene.markers, step.markers);

@@ -19,7 +19,8 @@ namespace tactel::fem {
 /// by 0.8 % at most from 6 cells on, by 1.5 % at 5, 8 % at 4 and 3, and up to all of it at fewer.
 constexpr int least_across(int cells, int widest) { return std::min(std::clamp(cells / 2, 5, 12), widest); }
 
-/// Returns how many steps of a load press on from first touch, each at least as far as the one before.
+/// Returns how many steps of a load press on from first touch, each at least as far as the one before. None with times:
+/// the way to a step counts.
 std::size_t presses_on(const PadLoad& load);
 
 /// Returns the coarse ones among the first `presses` of a load's targets that press less than the load does at most.

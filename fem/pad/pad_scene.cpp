@@ -82,13 +82,6 @@ void validate(const PadSensor& sensor) {
             "4 times the shorter side or less where sides are free; or sensor.sides = \"held\"");
 }
 
-void refuse_creep(const PadSensor& sensor) {
-  if (!sensor.relaxation.empty())
-    throw ValueError("sensor.relaxation", std::to_string(sensor.relaxation.size()) + " terms",
-                     "left out of many paths and of sets: solve takes it with load.times, PadStepper with dt, grips "
-                     "with load.hold.rate");
-}
-
 double fall_of_skin(const PadSensor& sensor, double x, double y) {
   return sensor.curvature_radius ? (x * x + y * y) / (2 * *sensor.curvature_radius) : 0;
 }
@@ -193,10 +186,10 @@ std::string friction_text(const PadScene& scene) {
   return number_text(scene.friction) + (scene.friction_map ? " at most" : "");
 }
 
-void refuse_friction_map(const PadScene& scene) {
-  if (scene.friction_map)
-    throw ValueError("contact.friction_map", friction_text(scene),
-                     "left out of many paths and of sets: solve and PadStepper take it");
+void require_times(const PadScene& scene) {
+  if (!scene.sensor.relaxation.empty() && scene.load.times.empty())
+    throw ValueError("load.times", "none",
+                     "given, s of each load step, as sensor.relaxation says that the rubber creeps");
 }
 
 void PadScene::validate() const {

@@ -23,8 +23,6 @@ using tactel::Sides;
 const char* name(Sides sides);  ///< "free", "held"
 /// Throws ValueError, key "sensor.<member>".
 void validate(const PadSensor& sensor);
-/// Throws ValueError for rubber that creeps, where nothing has times.
-void refuse_creep(const PadSensor& sensor);
 /// Returns how far the skin lies below its middle at a place, mm: (x^2 + y^2) / (2 curvature_radius); 0 where it is
 /// flat.
 double fall_of_skin(const PadSensor& sensor, double x, double y);
@@ -137,8 +135,8 @@ struct PadScene {
 Eigen::VectorXd friction_at(const PadScene& scene, const Eigen::MatrixX2d& places);
 /// Returns "0.5", or "0.5 at most" of a map.
 std::string friction_text(const PadScene& scene);
-/// Throws ValueError for a map, where each scene has one number.
-void refuse_friction_map(const PadScene& scene);
+/// Throws ValueError for rubber that creeps under a load without times.
+void require_times(const PadScene& scene);
 
 inline constexpr std::size_t most_pad_targets = 1000;  ///< increments of pressing that a load may ask for
 

@@ -251,6 +251,10 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   step.across = touch > 0 ? 1 + std::min(ends[1] - ends[0], ends[3] - ends[2]) : 0;
   step.normal_force = n;
   step.tangential_force = t * turn_.transpose();
+  if (creep_) {
+    step.straining = scene_.sensor.young * cells_.area() * creep_->straining(contact_);
+    step.straining.rightCols<2>() *= turn_.transpose();
+  }
   Eigen::VectorXd tractions(3 * n.size());
   tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
   step.stress = young * (world_.stress * tractions).reshaped(world_.stress.rows() / 3, 3);
@@ -505,9 +509,7 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
 PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
 
 PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) const {
-  if (!scene.sensor.relaxation.empty() && scene.load.times.empty())
-    throw ValueError("load.times", "none",
-                     "given, s of each load step, as sensor.relaxation says that the rubber creeps");
+  require_times(scene);
   if (layer_.object() != soft_object(scene.sensor, scene.indenter))
     throw std::logic_error("PadSolver: a layer beside another object");
   return PadWalk(layer_, options_, cells, scene).walk();
@@ -516,7 +518,6 @@ PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) co
 PadSolution PadSolver::solve(const PadScene& scene) const {
   scene.validate();
   PadSolution solution = solve_on_grown(scene);
-  if (!scene.sensor.relaxation.empty()) return solution;  // the way to a step counts
   for (const std::size_t k : coarse_presses(scene, solution)) {
     PadSolution alone = solve_on_grown(pressed_alone(scene, k));
     see_markers(scene, alone, options_.between_sweeps);

@@ -32,6 +32,8 @@ struct PadStep {
   std::vector<GapStatus> status;      ///< [cells]
   Eigen::VectorXd normal_force;       ///< [cells] N
   Eigen::MatrixX2d tangential_force;  ///< [cells] N
+  Eigen::MatrixX3d straining;         ///< [cells] N, as both: what would strain elastic rubber as far; of rubber that
+                                      ///< creeps
   Eigen::MatrixX3d stress;            ///< [tactels, x fastest] MPa: sigma_z, tau_x, tau_y of the rubber on the base
   Eigen::MatrixX3d markers;           ///< [markers] mm: displacements (see_markers)
   Eigen::MatrixX2d pixels;            ///< [markers] where a camera sees them

@@ -160,7 +160,9 @@ inline constexpr auto numbers<Camera> =
                Number{"pixels_per_mm", "1/mm", &Camera::pixels_per_mm, "a number above 0",
                       "in the plane of the markers", false, false},
                Number{"centre", "pixels", &Camera::centre, "two numbers of pixels, the image of the pad's middle",
-                      "pixels: image of the pad's middle", false, false}};
+                      "pixels: image of the pad's middle", false, false},
+               Number{"noise_px", "pixels", &Camera::noise_px, "a number of pixels, 0 or more",
+                      "pixels: standard deviation along each axis, in sets", false, false}};
 template <>
 inline constexpr auto numbers<Load> = std::tuple{
     Number{"indentation", "mm", &Load::indentation, some_targets, "mm: targets"},

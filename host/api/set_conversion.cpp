@@ -18,7 +18,10 @@ host::ContactSet to_host(const Set& from) {
   static_cast<SetArrays&>(set) = from;
   set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
   set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
-  if (from.rows() > 0) set.marker_numbers = static_cast<int>(from.markers.size() / from.rows() / 3 * 3);
+  if (from.rows() > 0) {
+    set.marker_numbers = static_cast<int>(from.markers.size() / from.rows() / 3 * 3);
+    set.pixel_numbers = static_cast<int>(from.pixels.size() / from.rows() / 2 * 2);
+  }
   host::each(host::set_columns(set), [&](const auto& column) {
     const std::size_t numbers = from.rows() * static_cast<std::size_t>(column.width(set));
     if (column.value.size() != numbers && !column.value.empty())

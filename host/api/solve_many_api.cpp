@@ -14,6 +14,7 @@
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel {
 namespace {
@@ -75,8 +76,9 @@ fem::ContactStep step_of(const host::LaneAnswer& answer, int k, const fem::Scene
   return step;
 }
 fem::PadStep step_of(const host::LaneAnswer& answer, int k, const fem::PadScene& scene, const host::PadPath& path) {
-  fem::PadStep step = host::pad_step([&](int row) { return answer.result(k, row); },
-                                     path.steps[static_cast<std::size_t>(k)], scene.friction);
+  const double mu = scene.friction_map ? answer.result(k, PAD_RESULT_MU) : scene.friction;
+  fem::PadStep step =
+      host::pad_step([&](int row) { return answer.result(k, row); }, path.steps[static_cast<std::size_t>(k)], mu);
   step.stress.resize(static_cast<Eigen::Index>(tactels_of(scene)), 3);
   answer.tactels(k, std::span(step.stress.data(), static_cast<std::size_t>(step.stress.size())));
   return step;
@@ -233,8 +235,7 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
       throw ValueError("scenes[" + std::to_string(i) + "].sensor.tactels", text(scenes[i].sensor),
                        "those of scenes[0], " + text(scenes[0].sensor));
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    api::with_public_errors([&] { fem::refuse_creep(scenes[i].sensor), fem::refuse_friction_map(scenes[i]); },
-                            "scenes[" + std::to_string(i) + "]");
+    api::with_public_errors([&] { fem::require_times(scenes[i]); }, "scenes[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scenes.size(); ++i)
     if (scenes[i].markers)
       throw ValueError("scenes[" + std::to_string(i) + "].markers", "given",

@@ -90,6 +90,16 @@ py::tuple inputs_of(const Set& set, const std::variant<int, std::string>& histor
                         py::array_t<float>(count, rows.target.data()));
 }
 
+/// Views of so many numbers for each marker.
+auto of_markers(std::vector<float> Set::*numbers, py::ssize_t each) {
+  return [=](const py::object& self) {
+    const auto& set = self.cast<const Set&>();
+    const auto rows = static_cast<py::ssize_t>(set.rows());
+    return view(set.*numbers, {rows, rows ? static_cast<py::ssize_t>((set.*numbers).size()) / rows / each : 0, each},
+                self);
+  };
+}
+
 void bind_set(py::module_& m) {
   py::class_<Set>(m, "Set", "Frames with their answers, one row a load step. Arrays are views without copies.")
       .def(py::init(&set_of), "frames"_a, "slip_index"_a,
@@ -102,15 +112,10 @@ void bind_set(py::module_& m) {
             return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
           },
           "[rows, axes tactels] MPa: normal stresses (compression < 0), then shear")
-      .def_property_readonly(
-          "markers",
-          [](const py::object& self) {
-            const auto& set = self.cast<const Set&>();
-            const auto rows = static_cast<py::ssize_t>(set.rows());
-            const auto numbers = static_cast<py::ssize_t>(set.markers.size());
-            return view(set.markers, {rows, rows ? numbers / rows / 3 : 0, 3}, self);
-          },
-          "[rows, markers, 3] mm along x, y, z, of pads with markers: their displacements")
+      .def_property_readonly("markers", of_markers(&Set::markers, 3),
+                             "[rows, markers, 3] mm along x, y, z, of pads with markers: their displacements")
+      .def_property_readonly("pixels", of_markers(&Set::pixels, 2),
+                             "[rows, markers, 2] where the sweep's camera sees them, with its noise")
       .def(
           "inputs", &inputs_of, py::kw_only(), "history"_a = 1, "history_change"_a = py::none(), "reference"_a = "",
           "target"_a = "slip_index", "friction"_a = false,

@@ -91,6 +91,7 @@ const std::vector<Entry<P>>& entries(const P*) {
         {"", "load.tangential_step", put_step},
         {"", "load.twist", [](P& s, int i, double v) { s.load.drags[i][2] = radians(v); }},
         {"", "load.twist_step", [](P& s, int, double v) { put_step(s, 2, radians(v)); }},
+        {"", "load.times", [](P& s, int i, double v) { s.load.times[i] = v; }},
     };
     made.insert(made.end(), std::begin(others), std::end(others));
     return made;

@@ -64,7 +64,12 @@ void draw_others(const SceneSource::Alternative& indenter, const SceneSource::Al
 }
 void draw_others(const PadSource::Alternative& indenter, const PadSource::Alternative&, fem::PadScene& scene,
                  const DrawKey&) {
-  scene.markers = indenter.scene.markers;
+  scene.markers = indenter.scene.markers, scene.camera = indenter.scene.camera;
+}
+
+void put_friction(fem::Scene& scene, const fem::Scene& contact) { scene.friction = contact.friction; }
+void put_friction(fem::PadScene& scene, const fem::PadScene& contact) {
+  scene.friction = contact.friction, scene.friction_map = contact.friction_map;
 }
 
 // Pads have no models of their surface.
@@ -206,7 +211,7 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
     scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
   }
   scene.indenter = indenter.scene.indenter;
-  scene.friction = contact.scene.friction;
+  put_friction(scene, contact.scene);
   scene.load = load.scene.load;
   for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);
   draw_others(indenter, load, scene, key);

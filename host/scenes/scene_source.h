@@ -122,6 +122,12 @@ class SourceOf : public ContactSource {
   std::optional<Markers> markers() const {
     return indenter_.alternatives.empty() ? std::nullopt : markers_of(indenter_.alternatives.front().scene);
   }
+  /// Returns the camera that sees them, of pads.
+  std::optional<Camera> camera() const {
+    if constexpr (!of_lines)
+      if (!indenter_.alternatives.empty()) return indenter_.alternatives.front().scene.camera;
+    return {};
+  }
   /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
   bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }
   /// Returns whether any of them has a rate.

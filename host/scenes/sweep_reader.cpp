@@ -110,11 +110,6 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
 fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
   if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
   fem::PadScene scene = read_pad(file);
-  if (scene.camera)
-    throw file.error("camera", file.root().get("camera"), "left out of sweeps: sets have displacements of markers");
-  if (scene.friction_map)
-    throw file.error("contact.friction_map", file.root().get("contact")->as_table()->get("friction_map"),
-                     "left out of sweeps: solve and PadStepper take it");
   // Contacts with free sides take some ten times longer: they are asked for.
   if (!TomlTable(file, "sensor").has("sides")) scene.sensor.sides = fem::Sides::held;
   return scene;
@@ -280,7 +275,7 @@ template <class Scene>
 const toml::table& SweepReaderOf<Scene>::table_of_path(const toml::table& load, const toml::node& node,
                                                        const string& name) const {
   for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
-                          "slip_index", "indentation_steps"})
+                          "slip_index", "indentation_steps", "times"})
     if (const toml::node* other = load.get(key))
       throw file_.error(string("load.") + key, other, "left out, because " + name + " is given too");
   if (const toml::table* table = node.as_table()) return *table;
@@ -338,19 +333,43 @@ void SweepReaderOf<fem::PadScene>::check_holds(const PadSource& source) const {
     throw file_.error("load.hold", nullptr, "in every [[load]], or in none");
   if (any && source.own_sensors())
     throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw, which grips share");
-  if (std::ranges::any_of(source.sensors_, [](const auto& sensor) { return !sensor.relaxation.empty(); })) {
-    const auto rate = [&](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
-    const double first = rate(source.load_.alternatives.front());
-    if (!(first > 0) ||
-        !std::ranges::all_of(source.load_.alternatives, [&](auto& load) { return rate(load) == first; }))
-      throw file_.error("sensor.relaxation", nullptr, "left out, or given with one [load.hold] rate, in Hz");
+  const auto creeps = [](const auto& sensor) { return !sensor.relaxation.empty(); };
+  const auto timed = [](const Alternative& load) { return !load.scene.load.times.empty(); };
+  const auto rate = [](const Alternative& load) { return load.hold ? load.hold->rate : 0; };
+  const auto& loads = source.load_.alternatives;
+  const double first = rate(loads.front());
+  const auto of_first = [&](const Alternative& load) { return rate(load) == first; };
+  if (!any && std::ranges::any_of(loads, timed)) {
+    if (!std::ranges::all_of(source.sensors_, creeps) || !std::ranges::all_of(loads, timed))
+      throw file_.error("load.times", nullptr, "in every [[load]], with relaxation in every [[sensor]], or in none");
+  } else if (std::ranges::any_of(source.sensors_, creeps) && !(first > 0 && std::ranges::all_of(loads, of_first))) {
+    throw file_.error("sensor.relaxation", nullptr,
+                      "left out, or given with load.times, or with one [load.hold] rate, in Hz");
   }
+  if (any)
+    for (const auto& contact : source.contact_.alternatives)
+      if (contact.scene.friction_map)
+        throw file_.error("contact.friction_map", nullptr, "left out with [load.hold], which has one mu");
   const auto all = tables("indenter");
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!any && source.indenter_.alternatives[i].unevenness)
       throw file_.error("indenter.unevenness", all[i]->get("unevenness"), "left out, or given with [load.hold]");
     if (any && source.indenter_.alternatives[i].scene.indenter.young)
       throw file_.error("indenter.young", all[i]->get("young"), "left out with [load.hold], whose objects are rigid");
+  }
+}
+
+/// Files that maps of friction name.
+template <>
+void SweepReaderOf<fem::PadScene>::take_maps(PadSource& source) const {
+  const auto all = tables("contact");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto name = all[i] ? (*all[i])["friction_map"].value<string>() : std::nullopt;
+    std::vector<double> numbers;
+    if (name)
+      for (const auto& row : source.contact_.alternatives[i].scene.friction_map->rows)
+        numbers.insert(numbers.end(), row.begin(), row.end());
+    if (name) source.files_.push_back(*file_sum(*name, {numbers}));
   }
 }
 
@@ -375,6 +394,7 @@ template <>
 void SweepReaderOf<fem::PadScene>::check_whole(PadSource& source) const {
   check_holds(source);
   take_markers(source);
+  take_maps(source);
 }
 
 template <class Scene>

@@ -50,6 +50,7 @@ class SweepReaderOf {
   void check_whole(Source& source) const;
   void check_holds(const Source& source) const;
   void take_markers(Source& source) const;
+  void take_maps(Source& source) const;
   NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
   void read_sensors(Source& source, int count);
   bool draws_own_sensors(const Part& part) const;
@@ -68,6 +69,8 @@ template <>
 void SweepReaderOf<fem::PadScene>::check_holds(const PadSource&) const;
 template <>
 void SweepReaderOf<fem::PadScene>::take_markers(PadSource&) const;
+template <>
+void SweepReaderOf<fem::PadScene>::take_maps(PadSource&) const;
 template <>
 void SweepReaderOf<fem::Scene>::check_whole(SceneSource&) const;
 template <>

@@ -53,9 +53,13 @@ SetColumns columns_of(const SetFile& in) {
   const auto leave_out = [&](const char* name, const auto&, int, const char*) {
     if (!has.contains(name)) columns.left_out.insert(name);
   };
-  if (columns.pad && has.contains("markers")) columns.marker_numbers = in.column<float>("markers", true).columns;
-  if (columns.marker_numbers % 3 != 0)
-    in.refuse("markers", fmt::format("{} columns", columns.marker_numbers), "three for each marker");
+  const auto read_width = [&](const char* name, int each, int& numbers) {
+    if (columns.pad && has.contains(name)) numbers = in.column<float>(name, true).columns;
+    if (numbers % each != 0)
+      in.refuse(name, fmt::format("{} columns", numbers), fmt::format("{} for each marker", each));
+  };
+  read_width("markers", 3, columns.marker_numbers);
+  read_width("pixels", 2, columns.pixel_numbers);
   const ContactSet all(columns);
   each_dataset(all, leave_out);
   for (const char* name : {"parameters", "tactel_x", "tactel_y"}) leave_out(name, 0, 0, "");
@@ -91,6 +95,7 @@ void read_attributes(const SetFile& in, ContactSet& set) {
 struct Columns {
   Columns(const SetFile& in, const char* without) : of(columns_of(in)) {
     of.left_out.insert(without);
+    if (*without != 0) of.left_out.insert("pixels");  // networks read none
     ContactSet set(of);
     rows = in.column<float>("slip_index", false).rows;
     each_dataset(set, [&](const char* name, auto& values, int width, const char*) {

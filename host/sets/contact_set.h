@@ -29,6 +29,7 @@ struct SetColumns {
   bool pad;                ///< contacts on pads
   int axes = 2;            ///< stresses of a tactel; of a pad 3, or 1
   int marker_numbers = 0;  ///< 3 markers; 0: none
+  int pixel_numbers = 0;   ///< 2 markers that a camera sees; 0: none
   std::vector<std::string> parameter_names, parameter_units;  ///< of `/parameters`, ContactParameters; or none
   std::vector<float> tactel_x;                                ///< [tactels] mm; empty where contacts differ in them
   std::vector<float> tactel_y;                                ///< [tactels] mm, of pads, whose x is the fastest
@@ -132,6 +133,8 @@ auto set_columns(Set& set) {
                 "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y", set.frames, nullptr},
       SetColumn{"markers", nullptr, "mm; displacement along x, y, z of every marker", set.markers,
                 &SetColumns::marker_numbers},
+      SetColumn{"pixels", nullptr, "pixels; where the camera sees every marker, x and y, with its noise", set.pixels,
+                &SetColumns::pixel_numbers},
       SetColumn{"slip_index", "1; Q / (mu P)", "1; 1 / lambda, the share of the contact's limit that (Q, M) take",
                 set.slip_index, &Row::slip_index},
       SetColumn{"normal_force", "N/mm", "N", set.normal_force, &Row::P},

@@ -198,9 +198,11 @@ std::vector<Column> create_columns(hid_t file, const SetRows& rows, bool compres
     if (width > 0)
       dimensions.push_back(name == std::string_view("inputs")    ? "input"
                            : name == std::string_view("markers") ? "displacement"
+                           : name == std::string_view("pixels")  ? "pixel"
                                                                  : "direction");
     create(name, values, width, unit, rows.rows,
-           rows_of_chunk(std::max(rows.columns.inputs, rows.columns.marker_numbers)), std::move(dimensions));
+           rows_of_chunk(std::max({rows.columns.inputs, rows.columns.marker_numbers, rows.columns.pixel_numbers})),
+           std::move(dimensions));
   });
   each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     std::vector<const char*> dimensions = {"tactel"};

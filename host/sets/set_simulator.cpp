@@ -44,6 +44,7 @@ struct Contact {
   std::uint64_t number = 0;  ///< in the sweep
   typename Contacts::Sensor sensor;
   double friction = 0;
+  bool mapped = false;  ///< each step has its own, the mean over its cells
   std::uint16_t kind = 0;
   int first_step = 0;          ///< the first that may be a row
   bool until_sliding = false;  ///< of lines
@@ -66,7 +67,7 @@ void take_path(LineContact& contact, const fem::Scene&, const fem::LoadPath& pat
 void take_path(PathContact& contact, const fem::PadScene& scene, const PadPath& path) {
   contact.first_step = static_cast<int>(fem::pressing_targets(scene.load)) - 1;
   contact.presses = static_cast<int>(fem::presses_on(scene.load));
-  contact.path = path, contact.at = scene.indenter.position;
+  contact.path = path, contact.at = scene.indenter.position, contact.mapped = scene.friction_map.has_value();
 }
 void take_path(GripContact& contact, const HeldScene& scene, const HeldContacts::Path&) {
   contact.first_step = scene.hold.pressing() - 1;
@@ -81,7 +82,8 @@ template <class Contacts>
   const auto sticking = static_cast<int>(result(RESULT_STICKING));
   Step step;
   step.P = result(RESULT_P), step.indentation = result(RESULT_DEPTH);
-  const std::optional<double> index = slip_index(contact.friction, step.P, result(RESULT_S));
+  step.friction = contact.mapped ? result(PAD_RESULT_MU) : contact.friction;
+  const std::optional<double> index = slip_index(step.friction, step.P, result(RESULT_S));
   step.defined = index.has_value(), step.slip_index = index.value_or(0);
   step.slip_distance = result(RESULT_SLIP_DISTANCE), step.status = static_cast<int>(result(RESULT_STATUS));
   step.touching = sticking + static_cast<int>(result(RESULT_SLIPPING));
@@ -95,7 +97,7 @@ template <class Contacts>
   const auto result = [&](int row) { return answer.result(k, row); };
   Step step = common_step(answer, contact, k);
   step.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)}, step.M = result(PAD_RESULT_M);
-  if (step.defined) step.force_ratio = std::hypot(step.Q[0], step.Q[1]) / (contact.friction * step.P);
+  if (step.defined) step.force_ratio = std::hypot(step.Q[0], step.Q[1]) / (step.friction * step.P);
   step.slid = result(PAD_RESULT_SLID), step.slip_path = result(PAD_RESULT_SLIP_PATH);
   step.area = result(PAD_RESULT_AREA), step.across = static_cast<int>(result(PAD_RESULT_ACROSS));
   return step;
@@ -155,7 +157,7 @@ Step step_of(const fem::PadStep& from) {
   Step step = common_step(from);
   step.Q = {from.Q[0], from.Q[1]}, step.M = from.M, step.force_ratio = from.force_ratio.value_or(0);
   step.tangential = {from.x, from.y}, step.twist = fem::degrees(from.twist), step.residual = from.residual.largest();
-  step.slid = from.slid, step.slip_path = from.slip_path;
+  step.slid = from.slid, step.slip_path = from.slip_path, step.friction = from.mu;
   step.area = from.area, step.across = from.across, step.reach = from.reach;
   return step;
 }
@@ -316,7 +318,7 @@ class Slide {
   void take(Step& step, const PathContact& contact) {
     const auto& [poisson, thickness, young] =
         std::tie(contact.sensor.poisson, contact.sensor.thickness, contact.sensor.young);
-    const double limit = contact.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young *
+    const double limit = step.friction * step.P / step.area * thickness * 2 * (1 + poisson) / young *
                          fem::softer_in_shear(contact.sensor);
     step.slid = whole_.add(step.slid, limit), step.slip_path = cells_.add(step.slip_path, limit);
   }
@@ -344,12 +346,27 @@ struct RowsFrom {
 void put_sensor(SetRow& row, const fem::Sensor& sensor) { row.length = sensor.length; }
 void put_sensor(SetRow&, const fem::PadSensor&) {}
 
+/// The markers of a set, and the camera that sees them.
+struct Seen {
+  std::optional<Markers> markers{};
+  std::optional<Camera> camera{};
+
+  /// Puts where they are seen, displaced by `moved`, [markers][x, y, z] mm, with the noise of a step.
+  void put(std::span<const float> moved, std::uint64_t seed, const SetRow& row, std::span<float> pixels) const {
+    const Eigen::Map<const Eigen::Matrix3Xf> u(moved.data(), 3, static_cast<Eigen::Index>(moved.size() / 3));
+    Eigen::Map<Eigen::Matrix2Xf>(pixels.data(), 2, u.cols()) =
+        fem::pixels_of(*camera, *markers, u.cast<double>().transpose()).transpose().cast<float>();
+    if (camera->noise_px > 0)
+      nn::add_pixel_noise(pixels, camera->noise_px, seed, row.contact, static_cast<std::uint32_t>(row.step));
+  }
+};
+
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
 template <class Contacts>
-void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
+void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts, const Seen& seen) {
   const auto columns = set_columns(set);
   const auto inputs = static_cast<std::size_t>(set.inputs), directions = static_cast<std::size_t>(set.directions());
-  const auto markers = static_cast<std::size_t>(set.marker_numbers);
+  const auto markers = static_cast<std::size_t>(set.marker_numbers), pixels = markers / 3 * 2;
   int most = 0;
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
@@ -362,12 +379,16 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Contacts>> contacts) {
       if constexpr (of_paths<Contacts>) from.slide.take(step, contact);
       if (!is_row(step, contact, k)) continue;
       step.slip_index = std::clamp(step.slip_index, -1.0, 1.0);  // rounding apart, Q <= mu P
-      step.friction = contact.friction, step.outside = contact.outside, step.contact = contact.number;
+      if (!contact.mapped) step.friction = contact.friction;
+      step.outside = contact.outside, step.contact = contact.number;
       step.step = k, step.kind = contact.kind;
       step.poisson = contact.sensor.poisson, step.thickness = contact.sensor.thickness;
       step.young = contact.sensor.young, put_sensor(step, contact.sensor);
       each(columns, [&](const auto& column) { column.put(from.at, step, directions); });
       if (markers > 0) from.steps.markers(k, std::span(set.markers).subspan(from.at * markers, markers));
+      if (seen.camera)
+        seen.put(std::span(set.markers).subspan(from.at * markers, markers), set.seed, step,
+                 std::span(set.pixels).subspan(from.at * pixels, pixels));
       from.steps.stress(k, std::span(set.frames).subspan(from.at++ * inputs, inputs));
     }
 }
@@ -569,13 +590,14 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         take(k, {}, along_side(solution));
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
-  set.contacts = chunk.count;
+  set.contacts = chunk.count, set.seed = source_.seed();
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
+  const Seen seen{source_.markers(), source_.camera()};
   std::vector<RowsFrom<Contacts>> together;
   const auto put = [&] {
-    put_rows(set, std::span(together));
+    put_rows(set, std::span(together), seen);
     together.clear();
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
@@ -590,7 +612,6 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   set.indenter_names = source_.kind_names();
   set.transducer = nn::description(source_.transducer());
   set.device = executor_.device().info().name;
-  set.seed = source_.seed();
   set.press_rows = source_.press_rows();
   range.seconds.gather = seconds_since(start) - range.seconds.solve_again;
   return set;
@@ -601,7 +622,8 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
   if constexpr (!SourceOf<Scene>::of_lines)
     columns.axes = source.sensors().front().axes,
-    columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers()));
+    columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers())),
+    columns.pixel_numbers = source.camera() ? columns.marker_numbers / 3 * 2 : 0;
   const auto parameters = source.parameters();
   for (const auto& column : parameters.columns()) {
     columns.parameter_names.push_back(column.name);

@@ -30,6 +30,19 @@
 #define FRICTION_MAP 0
 #endif
 #define MU(cell, vector) s->mu[FRICTION_MAP ? (cell) : 0].v[vector]
+/* CREEP_TERMS, of rubber that creeps: 1 to 4. Contacts have what it has crept to in their cells (pad/creep.h), steps in
+   their heights and history. */
+#ifndef CREEP_TERMS
+#define CREEP_TERMS 0
+#endif
+#define CREEPING (CREEP_TERMS > 0 && !STEPPED)
+#if CREEPING
+#define CREEPS 6 /* numbers of a cell that creep */
+#define CREPT(c, k, i, v) (c)->crept[(k)*COUNT + (i)].v[v]
+#define LESS_CREPT(c, i, v) -CREPT(c, 2, i, v)
+#else
+#define LESS_CREPT(c, i, v)
+#endif
 #define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
 
 /* CELLS_Y, of steps alone: cells along y where they are not CELLS, as along x. Cell (i, j) has index i CELLS_Y + j. */
@@ -74,6 +87,7 @@ typedef struct {
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
   /* 1 / all that a cell does to itself: rows of a sweep are divided by it */
   Lanes per_own_n[WHERE(OWN_ROWS, COUNT)], per_own_t[WHERE(OWN_ROWS, COUNT)];
+  Lanes crept[WHERE(CREEPING, CREEPS * COUNT)]; /* before the increment */
   int block[WHERE(FREE_SIDES, BLOCKS)], blocks; /* of SUMMANDS cells, those with cells in the list */
   Lanes soft[WHERE(STEPPED, COUNT)];            /* compliance of its own that a cell adds, over that of one on itself */
   Masks near[WHERE(STEPPED, COUNT)];            /* of each lane: cells that the indenter may touch */
@@ -113,6 +127,7 @@ typedef struct {
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
   Masks valid, running, active, failed, lost, by_force, searching;
   side half_size;
+  Lanes softer; /* the rubber in the increment, over elastic one: where it creeps */
   /* Of steps. */
   Lanes deep;  /* up to which depth `near` holds */
   Masks anew;  /* heights, covers or mu are not those of the last increment: the lane solves, wherever it moves */

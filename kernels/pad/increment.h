@@ -32,7 +32,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     dy.v[v] = PICK(running, target->y.v[v], s->y.v[v]) - s->y.v[v];
     dtwist.v[v] = PICK(running, target->twist.v[v], s->twist.v[v]) - s->twist.v[v];
     const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
-    const vint anew = STEPPED ? running & s->anew.v[v] : (vint)(0);
+    const vint anew = STEPPED ? running & s->anew.v[v] : CREEPING ? running : (vint)(0);
     const vint moves =
         anew | s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
     const vreal along =
@@ -73,7 +73,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     c->n[i].v[v] = PICK(moves, n, n0);
     c->tx[i].v[v] = PICK(moves, x, x0);
     c->ty[i].v[v] = PICK(moves, y, y0);
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
+    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
     c->gx[i].v[v] =
         fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
     c->gy[i].v[v] =

@@ -3,12 +3,16 @@
    included before. Device only. */
 #ifndef TACTEL_PAD_PATH_H
 #define TACTEL_PAD_PATH_H
+#include "pad/creep.h"
 #include "pad/increment.h"
 #include "pad/residual.h"
 #include "pad/slip_margin.h"
 #include "pad/sweep.h"
 
 #define INPUT_ROWS (PAD_INPUT_ROWS + FRICTION_MAP * COUNT)
+#define PATH_ROWS (PAD_PATH_ROWS + (CREEPING ? 1 + CREEP_NUMBERS * CREEP_TERMS : 0))
+/* n, t_x, t_y of each cell; of rubber that creeps then those that would strain elastic rubber as far. */
+#define FORCE_PARTS (CREEPING ? 6 : 3)
 #define MOST_FORCE_TRIALS 60
 
 /* Judges the force of lanes that search their depth, and moves those that miss it: they solve again. */
@@ -40,7 +44,7 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
   }
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
+    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
   }
 }
 
@@ -112,8 +116,13 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
              t_unit = influence->hx * influence->hy / influence->root_tt;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
     global const vreal *in = lane_input + v * INPUT_ROWS;
-    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE], H = in[PAD_THICKNESS];
-    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0;
+    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], H = in[PAD_THICKNESS];
+#if CREEPING
+    const vreal force = in[PAD_FORCE] / s->softer.v[v];
+#else
+    const vreal force = in[PAD_FORCE];
+#endif
+    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0, grip = 0;
     vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
     vreal first_x = CELLS, last_x = -1, first_y = CELLS, last_y = -1;
     for (int k = 0; k < c->listed; ++k) {
@@ -125,8 +134,16 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
       const vreal own_x = s->x_middle.v[v] + x_of(influence, i), own_y = s->y_middle.v[v] + y_of(influence, i);
       M = fma(own_x, y, fma(-own_y, x, M));
       const vint touches = n > 0;
-      const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - c->ux[i].v[v] * influence->root_tt,
-                  slip_y = s->y.v[v] + s->twist.v[v] * own_x - c->uy[i].v[v] * influence->root_tt;
+#if CREEPING
+      const vreal ux = c->ux[i].v[v] + CREPT(c, 0, i, v), uy = c->uy[i].v[v] + CREPT(c, 1, i, v);
+#else
+      const vreal ux = c->ux[i].v[v], uy = c->uy[i].v[v];
+#endif
+#if FRICTION_MAP
+      grip = fma(MU(i, v), n, grip);
+#endif
+      const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - ux * influence->root_tt,
+                  slip_y = s->y.v[v] + s->twist.v[v] * own_x - uy * influence->root_tt;
       slid = PICK(touches, LARGER(fma(slip_x, slip_x, slip_y * slip_y), slid), slid);
       const vreal pad_x = cosine * own_x - sine * own_y, pad_y = sine * own_x + cosine * own_y;
       left = PICK(touches, SMALLER(pad_x, left), left);
@@ -163,6 +180,10 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
     to[PAD_RESULT_SLID] = s->slid.v[v] * H;
     to[PAD_RESULT_SLIP_PATH] = s->slip_path.v[v] * H;
+    to[PAD_RESULT_MU] = in[PAD_MU];
+#if FRICTION_MAP
+    to[PAD_RESULT_MU] = PICK(P > 0, grip * t_unit / (P * n_unit), in[PAD_MU]);
+#endif
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
@@ -183,13 +204,19 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     }
     if (!a->write_forces) continue;
     for (int i = 0; i < COUNT; ++i)
-      for (int part = 0; part < 3; ++part) {
-        STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
-              number);
+      for (int part = 0; part < FORCE_PARTS; ++part) {
+#if CREEPING
+        if (part >= 3) {
+          const vreal traction = part == 3 ? c->n[i].v[v] : part == 4 ? c->tx[i].v[v] : c->ty[i].v[v];
+          STORE((traction + CREPT(c, part, i, v)) * (part == 3 ? n_unit : t_unit) * in[PAD_FORCE], number);
+        } else
+#endif
+          STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
+                number);
         for (int l = 0; l < LANES; ++l)
           if (place[l] >= 0)
-            a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * 3 + part) * COUNT + i] =
-                number[l];
+            a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * FORCE_PARTS + part) * COUNT +
+                      i] = number[l];
       }
   }
 }
@@ -208,8 +235,8 @@ static void check_input(global const vreal *lane_input, global const vreal *path
     }
     for (int k = 0; k < increments; ++k) {
       const vint own = in[PAD_STEPS] > (real)k;
-      for (int r = 0; r < PAD_PATH_ROWS; ++r)
-        sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PAD_PATH_ROWS + r]), sum);
+      for (int r = 0; r < PATH_ROWS; ++r)
+        sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PATH_ROWS + r]), sum);
     }
     s->valid.v[v] = (sum == 0) & (in[PAD_MU] >= 0);
     s->lowest.v[v] = lowest;
@@ -244,13 +271,17 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
   }
   set_own(influence, &c);
+#if CREEPING
+  Memory memory;
+  forget(&memory);
+#endif
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
     Target target;
     Masks solving;
     EACH_VECTOR(v) {
       global const vreal *in = lane_input + v * INPUT_ROWS;
-      global const vreal *to = path + (v * increments + k) * PAD_PATH_ROWS;
+      global const vreal *to = path + (v * increments + k) * PATH_ROWS;
       s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
       slot.v[v] = PICK(s.running.v[v], to[PAD_SLOT], ALL_LANES(-1));
       target.normal.v[v] = to[PAD_NORMAL];
@@ -259,6 +290,11 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
       target.twist.v[v] = to[PAD_TWIST];
     }
     if (!any_of(&s.running)) break;
+#if CREEPING
+    global const vreal *creep_rows = path + k * PATH_ROWS + PAD_PATH_ROWS;
+    begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+    EACH_VECTOR(v) { target.normal.v[v] *= PICK(s.by_force.v[v], s.softer.v[v], ALL_LANES(1)); }
+#endif
     start_increment(influence, &target, heights, &c, &s, &solving);
     do {
       list_cells(&s.active, &c);
@@ -278,6 +314,9 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     add_slide(influence, &c, &s);
     if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
     remember(&c, &s);
+#if CREEPING
+    end_creep(creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+#endif
   }
   /* Lanes whose input is no scene. */
   ROLLED for (int v = 0; v < VECTORS; ++v) {

@@ -64,7 +64,7 @@ enum PadInputRow {
   PAD_INPUT_ROWS
 };
 
-/* Rows of `path`, [group][vector][increments][PAD_PATH_ROWS][lane]. */
+/* Rows of `path`, [group][vector][increments][PAD_PATH_ROWS][lane]; of rubber that creeps 1 + CREEP_NUMBERS terms more. */
 enum PadPathRow {
   PAD_NORMAL = 0, /* depth, or P / (E H^2) */
   PAD_X,          /* motion of the indenter since first touch */
@@ -72,6 +72,16 @@ enum PadPathRow {
   PAD_TWIST, /* rad */
   PAD_SLOT,  /* place of this increment among those that are reported; -1: an increment between two of them */
   PAD_PATH_ROWS
+};
+
+/* What a term of rubber that creeps does in a step (fem/pad/creep.h), [terms][CREEP_NUMBERS]; in a path behind the rows
+   above, after how much softer the rubber is in the increment. */
+enum PadCreepNumber {
+  CREEP_C = 0,
+  CREEP_FADES, /* 1 - e: small in short steps, of which sums of fp32 keep the digits */
+  CREEP_LAST,  /* b - e */
+  CREEP_NEW,   /* 1 - b */
+  CREEP_NUMBERS
 };
 
 /* Height of a cell that the indenter may not touch; `heights` is [group][vector][(CELLS + 2)^2][lane]. */
@@ -94,6 +104,7 @@ enum PadResultRow {
   PAD_RESULT_CELL,      /* mm: the longer side of a cell */
   PAD_RESULT_SLID,      /* mm: sum over the increments without a sticking cell of the rms slide of those that touch */
   PAD_RESULT_SLIP_PATH, /* mm: the same over all increments */
+  PAD_RESULT_MU,        /* mean of mu, weighed by the pressures */
   PAD_RESULT_ROWS
 };
 

@@ -38,15 +38,9 @@ enum PadStepNumber {
 };
 #define STEP_UNKNOWN 1e30f
 
-/* Rubber that creeps (fem/pad/creep.h) has 3 + 3 terms more fields behind the numbers: w of x, y, z, then v of each term,
-   scaled as STEP_GX and STEP_UZ. What each term does in a step, [terms][CREEP_NUMBERS]: */
-enum PadCreepNumber {
-  CREEP_C = 0,
-  CREEP_FADES, /* 1 - e: small in short steps, of which sums of fp32 keep the digits */
-  CREEP_LAST,  /* b - e */
-  CREEP_NEW,   /* 1 - b */
-  CREEP_NUMBERS
-};
+/* Rubber that creeps has 3 + 3 terms more fields behind the numbers: w of x, y, z, then v of each term, scaled as STEP_GX
+   and STEP_UZ (PadCreepNumber). With markers these are six, also of n, t_x, t_y; behind them are those three that would
+   strain elastic rubber as far. */
 
 /* A result, `result`, [contact][STEP_RESULT_ROWS]. */
 enum PadStepResultRow {

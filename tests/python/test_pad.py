@@ -151,8 +151,12 @@ class Values(unittest.TestCase):
                            (SPHERE.with_(friction_map=tactel.FrictionMap([[0.5], [0.5, 0.1]])), "contact.friction_map: 2; ")):
             with self.assertRaisesRegex(tactel.InputError, fix):
                 wrong.validate()
-        with self.assertRaisesRegex(tactel.InputError, r"scenes\[1\].*contact.friction_map.*solve and PadStepper"):
-            tactel.solve_many([SPHERE, scene])
+        many, fine = tactel.solve_many([SPHERE, scene]), tactel.solve_many([SPHERE, scene], precision="fp64")
+        np.testing.assert_array_equal(many.slip_index[0], tactel.solve_many([SPHERE]).slip_index[0])
+        for paths, close in ((many, 3e-3), (fine, 1e-3)):
+            np.testing.assert_allclose(paths.P[1], uneven.P, rtol=close)
+            np.testing.assert_allclose(paths.slip_index[1], uneven.slip_index, atol=close)
+            np.testing.assert_allclose(paths.force_ratio[1], uneven.force_ratio, atol=close)  # by the mean mu
         with self.assertRaisesRegex(tactel.InputError, "friction_map.*no Pad"):
             tactel.Scene(friction_map=wet)
 
@@ -210,12 +214,21 @@ class Values(unittest.TestCase):
                 tactel.PadStepper(SPHERE.sensor.with_(relaxation=wrong), 1, 0.5)
         with self.assertRaisesRegex(tactel.InputError, "dt"):
             steps.set_dt(-1)
-        with self.assertRaisesRegex(tactel.InputError, "sensor.relaxation.*left out of many"):
-            tactel.solve_many([SPHERE.with_(sensor=pad)])
+        with self.assertRaisesRegex(tactel.InputError, r"scenes\[1\].*load.times.*given"):
+            tactel.solve_many([SPHERE, SPHERE.with_(sensor=pad)])
         with self.assertRaisesRegex(tactel.InputError, "load.times.*given"):
             tactel.solve(SPHERE.with_(sensor=pad))
         path = tactel.solve(SPHERE.with_(sensor=pad, load=tactel.PadLoad(indentation=[0.2], tangential=[[0, 0]], times=[0.0, 1e9])))
         self.assertAlmostEqual(path.P[1] / path.P[0], 0.7, delta=1e-6)
+        drags = [SPHERE.with_(sensor=pad, load=DRAG.with_(times=np.cumsum(np.full(len(tactel.solve(SPHERE.with_(load=DRAG))), dt)).tolist())) for dt in (0.0, 0.1, 5.0)]
+        many = tactel.solve_many([SPHERE.with_(load=DRAG), *drags])
+        np.testing.assert_array_equal(many.P[0], tactel.solve_many([SPHERE.with_(load=DRAG)]).P[0])
+        np.testing.assert_allclose(many.P[1], many.P[0], rtol=3e-3)
+        for k, drag in enumerate(drags, 1):
+            alone = tactel.solve(drag)
+            np.testing.assert_allclose(many.P[k], alone.P, rtol=3e-3)
+            np.testing.assert_allclose(many.slip_index[k], alone.slip_index, atol=5e-3)
+        self.assertLess(many.P[3, -1], 0.8 * many.P[1, -1])
         with self.assertRaisesRegex(tactel.InputError, "load.times: 1 times"):
             SPHERE.with_(sensor=pad, load=DRAG.with_(times=[1.0])).validate()
 
@@ -314,7 +327,7 @@ class Sweeps(unittest.TestCase):
     def test_have_the_markers_of_the_program(self):
         text = """[sweep]\ncontacts = 8\n[sensor]\nkind = "pad"\nthickness = 2\n[indenter]\nshape = "sphere"
 radius = { uniform = [4, 9] }\n[load]\nindentation = 0.2\ntangential = [[0.05, { uniform = [-0.1, 0.1] }]]
-[markers]\ncounts = [5, 3]\npitch = 0.6\ndepth = 0.2\n"""
+[markers]\ncounts = [5, 3]\npitch = 0.6\ndepth = 0.2\n[camera]\nnoise_px = 0.01\n"""
         with tempfile.TemporaryDirectory() as folder:
             file, of_program = os.path.join(folder, "marked.toml"), os.path.join(folder, "marked.h5")
             pathlib.Path(file).write_text(text, encoding="utf-8")
@@ -333,6 +346,9 @@ radius = { uniform = [4, 9] }\n[load]\nindentation = 0.2\ntangential = [[0.05, {
             path, own = tactel.solve(scene, precision="fp32"), rows.contact == 3
             far = np.abs(path.markers).max()
             np.testing.assert_allclose(rows.markers[own], path.markers[rows.step[own]], atol=0.005 * far)
+            np.testing.assert_array_equal(rows.pixels, there.pixels)
+            np.testing.assert_allclose(rows.pixels[own], path.pixels[rows.step[own]], atol=0.05 + 0.2 * far)  # 5 deviations; 20 pixels/mm
+            self.assertEqual(scene.camera.noise_px, 0.01)
         self.assertEqual(tactel.Sweep(ROOT / "examples/pad_spheres.toml").generate(1).markers.shape[1:], (0, 3))
 
 

@@ -58,6 +58,7 @@ struct Camera {
   double distance = 20.0;              ///< mm, from the pinhole to the plane of the markers
   double pixels_per_mm = 20.0;         ///< in that plane
   std::array<double, 2> centre{0, 0};  ///< pixels: image of the pad's middle
+  double noise_px = 0;                 ///< standard deviation along each axis in sets; `solve` has none
   bool operator==(const Camera&) const = default;
 };
 

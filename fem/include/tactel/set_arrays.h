@@ -12,6 +12,7 @@ namespace tactel {
 struct SetArrays {
   std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
   std::vector<float> markers;                         ///< [rows, markers, 3] mm, of pads: displacements; or empty
+  std::vector<float> pixels;                          ///< [rows, markers, 2] where a camera sees them; or empty
   std::vector<float> slip_index;                      ///< [rows] S = Q / (mu P); of pads 1 / lambda
   std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm; of pads [rows], [rows, 2] N
   std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty;

@@ -62,15 +62,16 @@ struct PadContact<Real>::State {
   }
   std::size_t count() const { return static_cast<std::size_t>(options.cells) * options.cells; }
 
-  Program program(int vectors, bool mapped) {
-    return programs.get({vectors, mapped}, [&] {
+  Program program(int vectors, const Laid& b) {
+    return programs.get({vectors, b.mapped, b.creep_terms}, [&] {
       const bool free = vectors == free_sides;
       Defines defines{{"REAL", real_type(precision)},
                       {"LANES", std::to_string(free ? 1 : width())},
                       {"CELLS", std::to_string(options.cells)},
                       {"VECTORS", std::to_string(std::max(vectors, 1))},
                       {"OWN_TABLES", std::to_string(vectors == own_tables)}};
-      if (mapped) defines.emplace_back("FRICTION_MAP", "1");
+      if (b.mapped) defines.emplace_back("FRICTION_MAP", "1");
+      if (b.creep_terms > 0) defines.emplace_back("CREEP_TERMS", std::to_string(b.creep_terms));
       if (free) defines.emplace_back("WIDE", std::to_string(device().lanes(precision)));
       return Program(device(), free ? "pad_free_contact.cl" : "pad_contact.cl", defines);
     });
@@ -124,7 +125,8 @@ struct PadContact<Real>::State {
     return all;
   }
 
-  LaneScenes<Real> numbers(const std::vector<PadOnCells>& on_cells, const Scenes& scenes, bool mapped) const {
+  LaneScenes<Real> numbers(const Laid& b, const Scenes& scenes) const {
+    const std::vector<PadOnCells>& on_cells = b.on_cells;
     LaneScenes<Real> all;
     const auto put = [](std::vector<Real>& to, const auto& numbers) {
       for (const double number : numbers) to.push_back(static_cast<Real>(number));
@@ -150,7 +152,8 @@ struct PadContact<Real>::State {
         input[PAD_BLOCK_X] = at[0], input[PAD_BLOCK_Y] = at[1];
       }
       put(all.inputs, input);
-      if (mapped) put(all.inputs, fem::friction_on_cells(of.cells, scene));
+      if (b.mapped) put(all.inputs, fem::friction_on_cells(of.cells, scene));
+      const fem::Creep creep(scene.sensor.relaxation);
       int slot = 0;
       for (const auto& [to, asked, dt] : of.path) {
         double target[PAD_PATH_ROWS] = {};
@@ -158,6 +161,12 @@ struct PadContact<Real>::State {
         target[PAD_X] = (cosine * to.x + sine * to.y) / H, target[PAD_Y] = (cosine * to.y - sine * to.x) / H;
         target[PAD_TWIST] = to.twist, target[PAD_SLOT] = asked ? slot++ : -1;
         put(all.targets, target);
+        if (b.creep_terms == 0) continue;
+        const fem::CreepStep step = creep.step(dt);
+        std::vector<double> rows{step.softer};
+        for (const auto& term : step.terms) std::ranges::copy(creep_numbers(term), std::back_inserter(rows));
+        rows.resize(static_cast<std::size_t>(b.path_rows()) - PAD_PATH_ROWS);
+        put(all.targets, rows);
       }
     }
     return all;
@@ -213,7 +222,7 @@ struct PadContact<Real>::State {
   Launch contact_launch(const Laid& b, int vectors, std::size_t first) {
     const bool free = vectors == free_sides;
     const char* const kernel_name = free ? "pad_free_contact" : "pad_contact";
-    return executor.prepare(program(vectors, b.mapped), kernel_name, [&](KernelArguments& kernel) {
+    return executor.prepare(program(vectors, b), kernel_name, [&](KernelArguments& kernel) {
       if (free) {
         kernel.set("pairs", b.between);  // until it is run
         kernel.set("layers", b.own_tables);
@@ -241,7 +250,7 @@ struct PadContact<Real>::State {
   }
 
   Launch sums_launch(const Laid& b, const PadSums<Real>& sums, int vectors) {
-    return executor.prepare(program(vectors, b.mapped), "pad_base_stress", [&](KernelArguments& kernel) {
+    return executor.prepare(program(vectors, b), "pad_base_stress", [&](KernelArguments& kernel) {
       kernel.set("layer", sums.tables);
       kernel.set("layer_rows", std::int32_t(sums.rows));
       kernel.set("rows_a_thickness", Real(sums.rows_a_thickness));
@@ -254,6 +263,7 @@ struct PadContact<Real>::State {
       kernel.set("slots", std::int32_t(b.steps));
       kernel.set("numbers", std::int32_t(b.outputs.rows));
       kernel.set("from", std::int32_t(&sums == &b.stress ? 0 : 3 * b.stress.count));
+      kernel.set("first_part", std::int32_t(&sums == &b.stress ? 0 : b.force_parts() - 3));
       kernel.set("forces", b.cell_forces.numbers);
       kernel.set("stress", b.outputs.numbers);
     });
@@ -267,7 +277,7 @@ struct PadContact<Real>::State {
   }
 
   Launch side_stress_launch(const Laid& b) {
-    return executor.prepare(program(free_sides, b.mapped), "pad_side_stress", [&](KernelArguments& kernel) {
+    return executor.prepare(program(free_sides, b), "pad_side_stress", [&](KernelArguments& kernel) {
       kernel.set("responses", b.responses);
       kernel.set("response_of", b.response_of);
       bind_sides(b, kernel);
@@ -317,7 +327,8 @@ struct PadContact<Real>::State {
   PadSearch<Real> search;
   PadRubbers rubbers;
   PadSideTables<Real> side_tables;
-  fem::LastUsed<std::pair<int, bool>, Program> programs{16};  ///< by vectors, or own_tables; with a map
+  fem::LastUsed<std::tuple<int, bool, std::size_t>, Program> programs{16};  ///< by vectors, or own_tables; with a map;
+                                                                            ///< terms of creep
 };
 
 template <class Real>
@@ -357,7 +368,9 @@ template <class Real>
 std::size_t PadContact<Real>::most_lane_steps(const Scenes& scenes) const {
   constexpr std::size_t most_numbers = std::size_t{1} << 25, most_with_responses = 4096;
   const std::size_t markers = scenes.all_.empty() ? 0 : fem::marker_count(scenes.all_.front().scene.markers);
-  const std::size_t most = most_numbers / (3 * std::max(state_->count(), markers));
+  const bool creeps =
+      std::ranges::any_of(scenes.all_, [](const auto& one) { return !one.scene.sensor.relaxation.empty(); });
+  const std::size_t most = most_numbers / (3 * std::max((creeps ? 2 : 1) * state_->count(), markers));
   return long_pads_ ? std::min(most, most_with_responses) : most;
 }
 
@@ -385,14 +398,17 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   Laid& b = *laid;
   b.contact = state_;
   b.on_cells = s.on_cells(scenes);
-  b.mapped = std::ranges::any_of(b.on_cells, [](const PadOnCells& of) { return of.scene.friction_map.has_value(); });
+  for (const PadOnCells& of : b.on_cells) {
+    b.mapped |= of.scene.friction_map.has_value();
+    b.creep_terms = std::max(b.creep_terms, of.scene.sensor.relaxation.size());
+  }
   const bool free = b.on_cells.front().sides.kernel != nullptr;
   const std::size_t width = s.width();
   // Two vectors have 18 sums: AVX-512 has 32 registers, AVX 16.
   const bool two_fit = width * sizeof(Real) >= bytes_of_wide_vector && s.options.cells <= 12;
   const PadLanes lanes(b.on_cells, s.options.vectors, width, two_fit);
-  b.lay_out(s.executor, s.numbers(b.on_cells, scenes, b.mapped), lanes.in_lane, lanes.width, 1,
-            PAD_INPUT_ROWS + b.mapped * s.count(), PAD_PATH_ROWS);
+  b.lay_out(s.executor, s.numbers(b, scenes), lanes.in_lane, lanes.width, 1, PAD_INPUT_ROWS + b.mapped * s.count(),
+            b.path_rows());
   s.take_tables(b, lanes);
   if (free) s.take_sides(b);
   const std::size_t ring = static_cast<std::size_t>(s.options.cells) + 2;
@@ -404,7 +420,7 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   const auto outputs = [&](std::size_t rows, bool written = true) {
     return LaneArray<Real>(s.device(), written ? b.lanes : 0, 1, b.steps, rows);
   };
-  b.cell_forces = outputs(3 * s.count());
+  b.cell_forces = outputs(static_cast<std::size_t>(b.force_parts()) * s.count());
   b.results = outputs(PAD_RESULT_ROWS);
   b.outputs = outputs(3 * static_cast<std::size_t>(b.stress.count + b.markers.count));
   b.forces = forces ? b.cell_forces : outputs(0, false), b.patches = outputs(0, false);
@@ -467,6 +483,10 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
                                                                      : fem::GapStatus::slip);
     }
     step.tangential_force = own * turn.transpose();
+    if (!scene.sensor.relaxation.empty()) {
+      own << forces(4), forces(5);
+      step.straining.resize(count, 3), step.straining << forces(3), own * turn.transpose();
+    }
     if (solvable) answer.tactels(k, std::span(numbers));
     step.stress = Eigen::Map<const Eigen::MatrixX3d>(numbers.data(), laid_->stress.count, 3);
     if (laid_->markers.count > 0) {

@@ -13,6 +13,7 @@
 #include "host/contact/pads/pad_lanes.h"
 #include "host/contact/pads/pad_sums.h"
 #include "host/device/executor.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
 
@@ -49,7 +50,10 @@ class PadContact {
     std::shared_ptr<State> contact;
     std::vector<PadOnCells> on_cells;  ///< [scenes]
     bool mapped = false;               ///< some scene has a map of friction
-    PadSums<Real> stress, markers;     ///< one behind the other in the outputs
+    std::size_t creep_terms = 0;       ///< most of a rubber that creeps
+    std::size_t path_rows() const { return PAD_PATH_ROWS + (creep_terms > 0 ? 1 + CREEP_NUMBERS * creep_terms : 0); }
+    int force_parts() const { return creep_terms > 0 ? 6 : 3; }  ///< of a cell
+    PadSums<Real> stress, markers;                               ///< one behind the other in the outputs
     Buffer<Real> tables, own_tables;
     Buffer<std::int32_t> table_of_group;
     LaneArray<Real> cell_forces;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <compare>
 #include <map>
 #include <memory>
@@ -8,9 +9,11 @@
 #include <vector>
 
 #include "fem/numbers/last_used.h"
+#include "fem/pad/creep.h"
 #include "fem/pad/pad_cells.h"
 #include "fem/pad/pad_layer.h"
 #include "fem/pad/pad_scene.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
 
@@ -65,6 +68,12 @@ class PadTables {
   mutable std::mutex making_;                            ///< of the next
   mutable std::map<PadCellSize, PadNumbers> influence_;  ///< of the ladder
 };
+
+/// PadCreepNumber of a term.
+inline std::array<double, CREEP_NUMBERS> creep_numbers(const fem::CreepStep::Term& term) {
+  const auto& [c, e, b] = term;
+  return {c, 1 - e, b - e, 1 - b};
+}
 
 /// Rows of a table of displacements at a depth over H, for each H, and of all: some six within the depth.
 int marker_rows_a_thickness(double depth);

@@ -13,6 +13,7 @@
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_markers.h"
 #include "host/contact/pads/pad_contact.h"
+#include "host/contact/pads/pad_contact_tables.h"
 #include "host/device/unwritten.h"
 #include "host/support/stop_scope.h"
 #include "kernels/shared/pad_layout.h"
@@ -71,7 +72,9 @@ PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std:
                              std::span<const double> friction, const StepOptions& options, const PairInfluence& pairs)
     : executor_(&executor), pad_(pad), options_(options), count_(count), cells_(step_grid(pad, options_)) {
   if (options_.object_young > 0) object_ = {pad.young / options_.object_young, options_.object_poisson};
-  const std::size_t terms = pad.relaxation.size(), creeping = terms == 0 ? 0 : 3 * (1 + terms) * cell_count(),
+  const std::size_t terms = pad.relaxation.size();
+  marked_ = terms > 0 && options_.markers;
+  const std::size_t creeping = terms == 0 ? 0 : ((marked_ ? 6 : 3) * (1 + terms) + (marked_ ? 3 : 0)) * cell_count(),
                     state_rows = STEP_FIELDS * cell_count() + STEP_NUMBERS + creeping;
   check_count(state_rows);
   if (free_block(pad)[0] > 0) {
@@ -132,6 +135,7 @@ void PadStepper<Real>::make_launches() {
                      {"VECTORS", std::to_string(vectors_)},   {"DENSE", std::to_string(dense_)}};
   if (creep_) defines.emplace_back("CREEP_TERMS", std::to_string(pad_.relaxation.size()));
   if (mapped_) defines.emplace_back("FRICTION_MAP", "1");
+  if (marked_) defines.emplace_back("MARKED", "1");
   const Program program(device(), "pad_step.cl", defines);
   const double H = pad_.thickness;
   const fem::Accuracy accuracy = fem::by_rule<Real>({options_.tolerance, 0}, fem::slow_on_patch);
@@ -182,6 +186,8 @@ void PadStepper<Real>::make_launches() {
       sums->launch = executor_->prepare(program, "pad_frames", [&](KernelArguments& kernel) {
         kernel.set("base", sums->base);
         kernel.set("rows", std::int32_t(sums->numbers.rows));
+        const bool straining = marked_ && sums == &displacements_;
+        kernel.set("from", std::int32_t(straining ? state_.rows - 3 * cell_count() : 0));
         kernel.set("state", state_.numbers);
         kernel.set("frames", sums->numbers.numbers);
       });
@@ -270,8 +276,8 @@ double PadStepper<Real>::begin_creep() {
   if (!creep_) return 1;
   const fem::CreepStep step = creep_->law.step(options_.dt);
   std::vector<Real> numbers;
-  for (const auto& [c, e, b] : step.terms)
-    for (const double number : {c, 1 - e, b - e, 1 - b}) numbers.push_back(static_cast<Real>(number));
+  for (const auto& term : step.terms)
+    for (const double number : creep_numbers(term)) numbers.push_back(static_cast<Real>(number));
   creep_->numbers.write(numbers);
   for (Launch* launch : {&creep_->begin, &creep_->end}) launch->set("softer", static_cast<Real>(step.softer));
   run(creep_->begin);

@@ -81,7 +81,8 @@ class PadStepper {
   void reset() { state_.fill(0); }
   /// Numbers [contacts][state_rows()] of these contacts, or of all: PadStateHead, then the rows of
   /// kernels/shared/pad_step_layout.h. Setting them gives the same bits from then on, in any stepper of this rubber,
-  /// cells and precision. Throws ValueError, and sets nothing, where a head is of others or a number is not finite.
+  /// cells and precision; where it creeps, both have markers or none. Throws ValueError, and sets nothing, where a head
+  /// is of others or a number is not finite.
   std::vector<Real> state(std::span<const std::size_t> contacts = {}) const;
   void set_state(std::span<const Real> numbers, std::span<const std::size_t> contacts = {});
 
@@ -141,6 +142,7 @@ class PadStepper {
   double root_zz_ = 0, root_tt_ = 0, rho_n_ = 1, rho_t_ = 1, kt_ = 0, kr_ = 0;
   int wide_from_ = 0;    ///< cells in the window of a contact that is split
   bool mapped_ = false;  ///< each cell has its own mu
+  bool marked_ = false;  ///< markers in rubber that creeps, whose states have more rows
   bool dense_ = false;   ///< the table is of all pairs of cells
   bool writes_ = false;  ///< the driver's kernel does, as the first step has shown
   Buffer<Real> table_, blocks_;

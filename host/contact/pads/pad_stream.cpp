@@ -97,6 +97,7 @@ PadKey PadContacts::key(const fem::PadSensor& sensor, ContactKind) {
 PadKey PadContacts::key(const fem::PadScene& scene) {
   PadKey key = PadContacts::key(scene.sensor, {});
   if (scene.markers) key.markers = {marker_depth(scene), fem::marker_places(*scene.markers)};
+  key.mapped = scene.friction_map.has_value(), key.creep_terms = scene.sensor.relaxation.size();
   return key;
 }
 

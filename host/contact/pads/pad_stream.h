@@ -21,10 +21,13 @@ struct PadModel {
 };
 PadModel model_of(const PadRung& rung);
 
-/// What scenes of one launch have in common: the tactels, and free_block; where their markers lie, over the thickness.
+/// What scenes of one launch have in common: the tactels, and free_block; where their markers lie, over the thickness;
+/// whether they have maps of friction, and the terms of their creep.
 struct PadKey {
   std::pair<PadTactels, std::array<double, 4>> sensor{};
   std::pair<double, std::vector<std::array<double, 2>>> markers{};
+  bool mapped = false;
+  std::size_t creep_terms = 0;
   auto operator<=>(const PadKey&) const = default;
 };
 
@@ -42,7 +45,7 @@ class PadContacts {
   static Key key(const Sensor& sensor, ContactKind);
   static Key key(const Scene& scene);
   static Path path(const Scene& scene) {
-    fem::refuse_creep(scene.sensor), fem::refuse_friction_map(scene);
+    fem::require_times(scene);
     return {fem::pad_targets(scene.load)};
   }
   std::shared_ptr<const SensorSolver<PadContacts>> solver(const Sensor& sensor) const;

@@ -9,6 +9,7 @@
 #include "fem/numbers/value_error.h"
 #include "fem/pad/creep.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_step.h"
 
 namespace tactel::fem::pad_creep_test {
@@ -83,6 +84,29 @@ TEST(CreepingContact, PathsHaveTimes) {
   for (const PadStep& step : held.steps) EXPECT_NEAR(step.P, 1, 1e-6);
   EXPECT_GT(held.steps[1].indentation, 1.03 * held.steps[0].indentation);
   EXPECT_GT(held.steps[2].indentation, 1.05 * held.steps[1].indentation);
+}
+
+// What a ball that sticks holds does not move, however its force falls: markers of the surface, and how far it slides.
+TEST(CreepingContact, MarkersGoWithTheObjectThatTheyStickTo) {
+  PadScene scene;
+  scene.sensor = rubber_of(gel), scene.indenter.shape = Sphere{8}, scene.friction = 50;
+  scene.load = {
+      .indentation = {0.25}, .drags = {{.05, .02, 0}, {.05, .02, 0}, {.05, .02, 0}}, .times = {.1, .2, 1, 30}};
+  scene.markers = Markers{.depth = 0, .places = {{0, 0}, {0.2, 0.2}}};
+  const PadLayer layer = pad_layer(0.45);
+  PadSolution held = PadSolver(layer, exact).solve(scene);
+  see_markers(scene, held);
+  EXPECT_LT(held.steps[3].P, 0.85 * held.steps[0].P);
+  for (std::size_t k = 1; k < 4; ++k) {
+    const PadStep& step = held.steps[k];
+    ASSERT_EQ(step.stick_fraction, 1) << k;
+    for (const Eigen::Index m : {0, 1}) {  // tractions are even over cells of 0.2 mm
+      EXPECT_NEAR(step.markers(m, 0), 0.05, 1e-3) << k;
+      EXPECT_NEAR(step.markers(m, 1), 0.02, 1e-3) << k;
+      EXPECT_NEAR(step.markers(m, 2), -0.25 + static_cast<double>(m) * 0.005, 2e-3) << k;
+    }
+    EXPECT_NEAR(step.slip_distance, held.steps[0].slip_distance, 1e-3) << k;
+  }
 }
 
 // Without friction, while it grows: what an increment of the elastic force leaves of itself later is E(t) / E (E. H.

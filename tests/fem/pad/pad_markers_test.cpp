@@ -232,6 +232,9 @@ TEST(PadMarkers, RefusesWhatIsNone) {
   PadScene scene;
   scene.camera.emplace();
   EXPECT_THROW(scene.validate(), ValueError);
+  for (const double noise : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(validate(Camera{.noise_px = noise}), ValueError) << noise;
+  validate(Camera{.noise_px = 0.5});
 }
 
 }  // namespace tactel::fem::pad_markers_test

@@ -92,11 +92,17 @@ TEST(PadFrictionMap, OneMuHasTheBitsOfANumber) {
   }
 }
 
-TEST(PadFrictionMap, ManyPathsRefuseIt) {
-  fem::PadScene scene = mix(rubber, 1)[0];
-  scene.set_friction(blotched);
-  expect_value_error([&] { PadContacts::path(scene); }, "contact.friction_map", "0.9 at most",
-                     "left out of many paths");
+// Answers in place, as of many paths, say the mean mu that solutions have from their forces.
+TEST(PadFrictionMap, AnswersInPlaceHaveTheMeanFriction) {
+  std::vector<fem::PadScene> scenes = mix(rubber, 20);
+  for (std::size_t i = 0; i < scenes.size(); i += 2) scenes[i].set_friction(blotched);
+  const auto batch = ran<double>(scenes, 1e-3);
+  const LaneView<double> view(batch);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadSolution solution = batch.solution(i);
+    for (int k = 0; k < view.answer(i).steps; ++k)
+      EXPECT_NEAR(view.answer(i).result(k, PAD_RESULT_MU), solution.steps[static_cast<std::size_t>(k)].mu, 1e-12);
+  }
 }
 
 // ---- steps

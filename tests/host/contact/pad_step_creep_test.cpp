@@ -168,4 +168,51 @@ TEST(PadStepCreep, RefusesStatesOfOtherRubberAndTimesThatAreNone) {
   for (const double dt : {-1.0, std::nan(""), 1e13}) EXPECT_THROW(creeping.set_dt(dt), ValueError);
 }
 
+// A pose that is none leaves tractions as they are, and so what they do to all cells, near and far.
+TEST(PadStepCreep, NoPoseChangesNothingThatTractionsDo) {
+  PadStepper<double> steps(executor(), gel(), 2, std::array{0.5}, options_of(1e-9));
+  for (const std::size_t c : {0u, 1u}) steps.set_surface(c, fem::pad_surface(steps.cells(), object(c), {0, 0}, 0));
+  steps.set_dt(0.2);
+  steps.move(std::array{0.06, 0.0, 0.0, 0.0, 0.12, 0.0, 0.0, 0.0});
+  steps.move(std::array{0.06, 0.02, 0.0, 0.0, 0.12, 0.02, 0.0, 0.0});
+  const std::size_t cells = 120, first = 1, w = steps.state_rows() - 9 * cells;
+  const std::vector<double> before = steps.state(std::span(&first, 1));
+  steps.move(std::array{0.06, 0.02, 0.0, 0.0, std::nan(""), 0.0, 0.0, 0.0});
+  const std::vector<double> after = steps.state(std::span(&first, 1));
+  double most = 0;
+  for (std::size_t k = 0; k < 3 * cells; ++k) {
+    EXPECT_NEAR(after[w + k], before[w + k], 1e-9) << k;  // sticking cells: what the sweeps leave
+    most = std::max(most, std::abs(before[w + k]));
+  }
+  EXPECT_GT(most, 0.01);
+}
+
+// Markers of the surface go with a ball that they stick to, however its force falls. Cells are 0.2 mm.
+TEST(PadStepCreep, MarkersGoWithTheObjectThatTheyStickTo) {
+  StepOptions options{.cells = 16, .cell = 0.2};
+  options.markers = Markers{.depth = 0, .places = {{0, 0}, {0.2, 0.2}}};
+  PadStepper<double> steps(executor(), gel(), 1, std::array{50.0}, options);
+  steps.set_surface(0, fem::pad_surface(steps.cells(), {.shape = fem::Sphere{8}}, {0, 0}, 0));
+  double first = 0;
+  for (const auto& [dt, way] : {std::pair{0.1, 0.0}, {0.1, 1.0}, {1.0, 1.0}, {30.0, 1.0}}) {
+    steps.set_dt(dt);
+    steps.move(std::array{0.25, 0.05 * way, 0.02 * way, 0.0});
+    if (first == 0) first = number(steps, 0, STEP_RESULT_P);
+    const auto u = steps.markers();
+    for (const std::size_t m : {0u, 1u}) {
+      EXPECT_NEAR(u[3 * m], 0.05 * way, 1e-3) << dt;
+      EXPECT_NEAR(u[3 * m + 1], 0.02 * way, 1e-3) << dt;
+      EXPECT_NEAR(u[3 * m + 2], -0.25 + 0.005 * static_cast<double>(m), 2e-3) << dt;
+    }
+  }
+  EXPECT_LT(number(steps, 0, STEP_RESULT_P), 0.8 * first);
+  // A state goes on in another stepper; without markers it is another one.
+  PadStepper<double> other(executor(), gel(), 1, std::array{50.0}, options);
+  other.set_state(steps.state());
+  EXPECT_EQ(other.markers()[2], steps.markers()[2]);
+  options.markers.reset();
+  PadStepper<double> plain(executor(), gel(), 1, std::array{50.0}, options);
+  EXPECT_THROW(plain.set_state(steps.state()), ValueError);
+}
+
 }  // namespace tactel::host::pad_step_creep_test

@@ -241,9 +241,10 @@ TEST(HoldLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
               AllOf(HasSubstr("indenter.unevenness"), HasSubstr("{ rms = ..., length = ... }")));
   EXPECT_THAT(message_of<PadSource>(rubber + "young = 1\n[load]\nnormal_force = 2\n[load.hold]\n"),
               AllOf(HasSubstr("indenter.young"), HasSubstr("left out with [load.hold]")));
-  for (const char* map : {"[[0.5]]", "[[{ uniform = [0.1, 0.5] }]]"})
+  for (const auto& [map, words] :
+       {std::pair{"[[0.5]]", "left out with [load.hold]"}, {"[[{ uniform = [0.1, 0.5] }]]", "must be a plain value"}})
     EXPECT_THAT(message_of<PadSource>(head + "[contact]\nfriction_pitch = 1\nfriction_map = " + map + "\n"),
-                AllOf(HasSubstr("contact.friction_map"), HasSubstr("left out of sweeps")));
+                AllOf(HasSubstr("contact.friction_map"), HasSubstr(words)));
   std::string creeping = head;
   creeping.insert(creeping.find("thickness = 4"), "relaxation = [[0.2, 0.5]]\n");
   EXPECT_THAT(message_of<PadSource>(creeping),

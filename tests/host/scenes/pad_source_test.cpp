@@ -182,6 +182,26 @@ TEST(PadSource, SharedSensorsAreDrawnOnce) {
   EXPECT_EQ(poissons.size(), 3u);
 }
 
+TEST(PadSource, RubberThatCreepsHasTimes) {
+  const std::string creeping = sensor + "relaxation = [[0.2, 0.5]]\n", timed = "times = [1.0]\n";
+  const PadSource sweep = pads(head + creeping + sphere + press + timed);
+  EXPECT_EQ(sweep.contact(3).scene.load.times, std::vector{1.0});
+  const PadSource drawn = pads(head + creeping + sphere + press + "times = [{ uniform = [1, 2] }]\n");
+  EXPECT_NE(drawn.contact(3).scene.load.times, drawn.contact(4).scene.load.times);
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press),
+              AllOf(HasSubstr("sensor.relaxation"), HasSubstr("given with load.times")));
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + press + timed), HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + "times = [1.0, 2.0]\n"),
+              HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + "times = [-1.0]\n"), HasSubstr("load.times"));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere +
+                                    "[[load]]\nindentation = 0.1\ntimes = [1.0]\n"
+                                    "[[load]]\nindentation = 0.1\n"),
+              AllOf(HasSubstr("load.times"), HasSubstr("in every [[load]]")));
+  EXPECT_THAT(message_of<PadSource>(head + creeping + sphere + press + timed + "[load.irregular]\nsteps = 20\n"),
+              AllOf(HasSubstr("load.times"), HasSubstr("left out, because load.irregular is given too")));
+}
+
 TEST(PadSource, ContactsShareTheirMarkers) {
   const std::string markers = "[markers]\ncounts = [3, 2]\npitch = 0.5\ndepth = 0.1\n";
   const PadSource sweep = pads(head + sensor + "young = { uniform = [1, 2] }\n" + sphere + press + markers);
@@ -193,7 +213,13 @@ TEST(PadSource, ContactsShareTheirMarkers) {
   };
   EXPECT_THAT(refused("[sensor]\nkind = \"pad\"\nthickness = { uniform = [2, 3] }\n", ""),
               AllOf(HasSubstr("markers"), HasSubstr("its own thickness"), HasSubstr("[sweep] sensors = n")));
-  EXPECT_THAT(refused(sensor, "[camera]\n"), AllOf(HasSubstr("camera"), HasSubstr("left out of sweeps")));
+  const PadSource seen = pads(head + sensor + sphere + press + markers + "[camera]\nnoise_px = 0.1\n");
+  EXPECT_EQ(seen.camera(), Camera{.noise_px = 0.1});
+  EXPECT_EQ(seen.contact(7).scene.camera, seen.camera());
+  EXPECT_FALSE(sweep.camera());
+  for (const char* noise : {"-0.1", "nan", "inf", "1e7", "'much'", "{ uniform = [0, 1] }"})
+    EXPECT_THAT(refused(sensor, std::string("[camera]\nnoise_px = ") + noise), HasSubstr("camera.noise_px")) << noise;
+  EXPECT_THAT(message_of<PadSource>(head + sensor + sphere + press + "[camera]\n"), HasSubstr("without markers"));
   EXPECT_THAT(refused(sensor, "depth = 0.03\n"),
               HasSubstr("markers.depth = 0.03: must be a fiftieth of sensor.thickness or more in sweeps"));
   EXPECT_THAT(refused(sensor, "depth = { uniform = [0.1, 0.2] }\n"), HasSubstr("markers.depth"));
