@@ -47,7 +47,7 @@ std::vector<double> head_of_states(const fem::PadSensor& pad, const fem::PadCell
   const double H = pad.thickness;
   std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H, pad.poisson, 0, 0};
   if (fem::has_free_sides(pad)) all[state_length] = *pad.length / H, all[state_width] = *pad.width / H;
-  const auto layers = fem::rubber(pad).layers;
+  const auto layers = fem::rubber(pad.layers, H, pad.young, pad.poisson).layers;
   const bool creeps = !pad.relaxation.empty();
   if (object.softness > 0 || !layers.empty() || creeps) all.insert(all.end(), {object.softness, object.poisson});
   for (const auto& [thickness, young, poisson] : layers) all.insert(all.end(), {thickness, young, poisson});
