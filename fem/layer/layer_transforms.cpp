@@ -58,7 +58,7 @@ LayerTransforms layer_transforms(double poisson, double a) {
           .sigma_by_x = t.p * (a * t.cosh_a + odd) / t.D};
 }
 
-StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a) {
+StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a, int below) {
   double thickness = 0, across = 0, across_base = 1;
   for (const RubberLayer& layer : layers) thickness += layer.thickness;
   Eigen::Matrix2d Y = Eigen::Matrix2d::Zero(), B = Eigen::Matrix2d::Identity();
@@ -71,6 +71,7 @@ StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a) 
     const double even = 1 / std::cosh(height), odd = std::tanh(height), passed = even / (1 + G * odd * across);
     across = odd / G + even * across * passed;
     across_base *= passed;
+    if (--below >= 0) B.setIdentity(), across_base = 1;
   }
   const double nu = layers.back().poisson, G = layers.back().young / (2 * (1 + nu));
   return {.plane = {.yy = Y(1, 1) * G / (1 - nu),

@@ -55,7 +55,8 @@ struct StackTransforms {
   double across, across_base;  ///< tanh a and 1 / cosh a of one layer
 };
 
-/// Returns the transforms of layers from the base up, at least one, at a = |w| times the sum of their thicknesses.
-StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a);
+/// Returns the transforms of layers from the base up, at least one, at a = |w| times the sum of their thicknesses. The
+/// stress is that on top of the first `below` layers: the product B begins there.
+StackTransforms stack_transforms(std::span<const RubberLayer> layers, double a, int below = 0);
 
 }  // namespace tactel::fem

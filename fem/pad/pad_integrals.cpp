@@ -8,6 +8,7 @@
 #include "fem/layer/layer_transforms.h"
 #include "fem/layer/legendre_points.h"
 #include "fem/pad/bessel.h"
+#include "fem/scenes/rubber.h"
 
 namespace tactel::fem {
 namespace {
@@ -31,17 +32,17 @@ PadIntegrals::PadIntegrals(double poisson) {
     add(poisson, layer_transforms(poisson, a), -2 / (std::exp(2 * a) + 1), 1 / std::cosh(a), a, weight);
 }
 
-PadIntegrals::PadIntegrals(std::span<const RubberLayer> layers, double farthest) {
+PadIntegrals::PadIntegrals(std::span<const RubberLayer> layers, double farthest, int below) {
   constexpr double first = 1e-7, fades = 100;
   double H = 0;
   for (const RubberLayer& layer : layers) H += layer.thickness;
   const double top = layers.back().thickness / H, fade = 2 * fades / farthest;
-  const double last = std::max(last_wavenumber, last_wavenumber / 2 / top);
+  const double last = std::max(last_wavenumber / height_above(layers, below), last_wavenumber / 2 / top);
   const auto points =
       points_on_doubling_panels(first, last_panel_phase / farthest, std::min(last, 1.6 * fade), points_a_panel);
   weight_.resize(pad_integrals, static_cast<Eigen::Index>(points.size()));
   for (const auto& [a, weight] : points) {
-    const StackTransforms t = stack_transforms(layers, a);
+    const StackTransforms t = stack_transforms(layers, a, below);
     add(layers.back().poisson, t.plane, t.across - 1, t.across_base, a,
         farthest > top ? weight * std::exp(-std::pow(a / fade, 8)) : weight);
   }

@@ -36,7 +36,8 @@ namespace tactel::fem {
 //     b0  = int a sigma_by_y J0       bA = int a (tau_by_x + 1 / cosh a) / 2 J0      bzx = int a sigma_by_x J1
 //     bxz = int a tau_by_y J1         bB = int a (tau_by_x - 1 / cosh a) / 2 J2
 //
-// Layers upon layers have stack_transforms, and 1 - nu, 1 + nu and E = 1 are those of the uppermost.
+// Layers upon layers have stack_transforms, and 1 - nu, 1 + nu and E = 1 are those of the uppermost. The stress may be
+// that on top of some of them, in place of the base.
 //
 // Derived from the layer's transforms with the angular integrals of J0, J1, J2; as H grows z0, A, B and Z vanish. All
 // hold at nu = 1/2. Far away displacements and stresses fall like exp(-0.739 rho) or faster.
@@ -62,7 +63,7 @@ class PadIntegrals {
 
   /// Of layers from the base up, for rho from a half to the whole of `farthest`, or from 0 where that is the uppermost
   /// layer over H. Waves beyond 100 / rho leave the smooth integrals there as they are: they fade out.
-  PadIntegrals(std::span<const RubberLayer> layers, double farthest);
+  PadIntegrals(std::span<const RubberLayer> layers, double farthest, int below = 0);
 
   /// Returns the integrals and their slopes at rho >= 0. They hold to some 1e-13 for rho up to 24.
   At at(double rho) const;

@@ -117,7 +117,8 @@ PadLayer::PadLayer(double poisson)
 
 PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson) { add_cells(places(), samples); }
 
-PadLayer::PadLayer(const std::vector<RubberLayer>& layers) : poisson_(layers.back().poisson) {
+PadLayer::PadLayer(const std::vector<RubberLayer>& layers, int below)
+    : poisson_(layers.back().poisson), deep_(height_above(layers, below)) {
   constexpr double lengths = 16;  // leave 1e-7
   double H = 0;
   for (const RubberLayer& layer : layers) H += layer.thickness;
@@ -130,7 +131,7 @@ PadLayer::PadLayer(const std::vector<RubberLayer>& layers) : poisson_(layers.bac
   PadSamples samples(2 * pad_integrals, ends.size());
   double farthest = near_;
   for (Eigen::Index k = 0; k < ends.size();) {
-    const PadIntegrals integrals(layers, farthest);
+    const PadIntegrals integrals(layers, farthest, below);
     for (; k < ends.size() && ends[k] <= farthest; ++k) {
       const PadIntegrals::At at = integrals.at(ends[k]);
       samples.col(k) << at.value, at.slope;
@@ -376,7 +377,7 @@ PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, doub
     if (std::abs(x - px * hx) > reach_ + hx / mx) continue;
     for (const auto& [py, share_y] : along_y) {
       if (std::abs(y - py * hy) > reach_ + hy / my) continue;
-      over_cell(hx / mx, hy / my, x - px * hx, y - py * hy, base_near,
+      over_cell(hx / mx, hy / my, x - px * hx, y - py * hy, base_near * deep_,
                 [&, share = share_x * share_y](double X, double Y, double w) {
                   const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
                   const Eigen::Array<double, 5, 1> b = share * w * stresses(rho);

@@ -79,8 +79,9 @@ class PadLayer {
   /// `samples`: of this Poisson's ratio at places().
   PadLayer(double poisson, const PadSamples& samples);
 
-  /// Layers from the base up. Near rho = 0 cells are as wide as the uppermost layer / 80, farther off as rho / 80.
-  explicit PadLayer(const std::vector<RubberLayer>& layers);
+  /// Layers from the base up. Near rho = 0 cells are as wide as the uppermost layer / 80, farther off as rho / 80. The
+  /// base stress is that on top of the first `below`.
+  explicit PadLayer(const std::vector<RubberLayer>& layers, int below = 0);
 
   /// Returns the ends of the cells, H.
   static Eigen::VectorXd places();
@@ -90,6 +91,8 @@ class PadLayer {
   double reach() const { return reach_; }
   /// H: thickness of rubber as soft as the surface, in place of H where sides of cells are narrow or wide.
   double soft_thickness() const { return soft_thickness_; }
+  /// H: how deep the base stress is taken.
+  double deep() const { return deep_; }
   /// The object whose influence is added to that of the layer: none. The base stress has nothing of it.
   const SoftObject& object() const { return object_; }
   /// Returns this layer beside an object.
@@ -151,6 +154,7 @@ class PadLayer {
 
   double poisson_, reach_ = range, soft_thickness_ = 1;
   double near_ = 0;             ///< H: the uppermost of layers
+  double deep_ = 1;             ///< H: of the base, or where its stress is, below the surface
   std::vector<double> ends_{};  ///< of the cells of layers upon layers, H
   SoftObject object_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;

@@ -91,7 +91,7 @@ double softer_in_shear(const PadSensor& sensor) {
 PadLayer pad_layer(const Rubber& rubber) {
   if (rubber.layers.empty()) return pad_layer(rubber.poisson);
   static LastUsed<Rubber, PadLayer> kept(8);
-  return kept.get(rubber, [&] { return PadLayer(rubber.layers); });
+  return kept.get(rubber, [&] { return PadLayer(rubber.layers, rubber.below); });
 }
 
 PadLayer pad_layer(const PadScene& scene) {

@@ -66,7 +66,11 @@ void validate(const PadSensor& sensor) {
   };
   check_side("sensor.length", sensor.length, 0);
   check_side("sensor.width", sensor.width, 1);
+  require(sensor.depth >= 0 && sensor.depth <= 0.75 * sensor.thickness, "sensor.depth", sensor.depth,
+          "mm above the base, 0 to three quarters of sensor.thickness");
   const bool free = sensor.sides == Sides::free && sensor.length && sensor.width;
+  require(!(free && sensor.depth > 0), "sensor.depth", sensor.depth,
+          "0 where sides are free; or sensor.sides = \"held\"");
   if (const auto radius = sensor.curvature_radius) {
     check_length("sensor.curvature_radius", *radius);
     require(*radius >= 5 * sensor.thickness, "sensor.curvature_radius", *radius,

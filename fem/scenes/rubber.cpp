@@ -34,6 +34,28 @@ Rubber rubber(const std::vector<RubberLayer>& layers, double thickness, double y
   return all;
 }
 
+double height_above(std::span<const RubberLayer> layers, int below) {
+  double all = 0, above = 0;
+  for (const RubberLayer& layer : layers) all += layer.thickness, above += below > 0 ? 0 : layer.thickness, --below;
+  return above / all;
+}
+
+void put_tactels(Rubber& rubber, double height) {
+  constexpr double least = 1e-9;
+  if (height <= least) return;
+  if (rubber.layers.empty()) rubber.layers = {{1, 1, rubber.poisson}};
+  double from = 0;
+  for (auto layer = rubber.layers.begin(); height > from + least; ++layer, ++rubber.below) {
+    const double to = from + layer->thickness;
+    if (height < to - least) {
+      RubberLayer lower = *layer;
+      lower.thickness = height - from, layer->thickness = to - height;
+      layer = rubber.layers.insert(layer, lower);
+    }
+    from += layer->thickness;
+  }
+}
+
 void check_layers(const std::vector<RubberLayer>& layers, double thickness, double young, double poisson) {
   if (layers.empty()) return;
   constexpr std::size_t most_layers = 8;

@@ -2,6 +2,7 @@
 #pragma once
 #include <tactel/rubber_layer.h>
 
+#include <span>
 #include <vector>
 
 namespace tactel::fem {
@@ -10,15 +11,23 @@ namespace tactel::fem {
 struct Rubber {
   double poisson = 0;                 ///< of its surface
   std::vector<RubberLayer> layers{};  ///< from the base up; none: one
+  int below = 0;                      ///< of these, below the tactels; 0: they lie at the base
   auto operator<=>(const Rubber&) const = default;
 };
 
 /// Returns what tables of a line or pad depend on; neighbours of one rubber are one layer.
 Rubber rubber(const std::vector<RubberLayer>& layers, double thickness, double young, double poisson);
+/// Puts tactels at a height over the thickness, below 1: between two layers, of which one may be a part of another.
+void put_tactels(Rubber& rubber, double height);
 template <class Sensor>
 Rubber rubber(const Sensor& sensor) {
-  return rubber(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
+  Rubber all = rubber(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
+  if constexpr (requires { sensor.depth; }) put_tactels(all, sensor.depth / sensor.thickness);
+  return all;
 }
+
+/// Returns how far the surface is above the first layers, over the sum of all.
+double height_above(std::span<const RubberLayer> layers, int below);
 
 /// Throws ValueError for layers that no tables serve, and for other numbers than theirs beside them.
 void check_layers(const std::vector<RubberLayer>& layers, double thickness, double young, double poisson);

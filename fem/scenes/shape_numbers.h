@@ -144,7 +144,9 @@ inline constexpr auto numbers<Pad> = std::tuple{
     Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false},
     Number{"sides", "", &Pad::sides, "", "of the rubber, where length and width are given", false, false},
     Number{"curvature_radius", "mm", &Pad::curvature_radius, "a number of mm, or left out for a flat skin",
-           "mm, of the skin; None: flat", false, false}};
+           "mm, of the skin; None: flat", false, false},
+    Number{"depth", "mm", &Pad::depth, "a number of mm above the base", "mm of the tactels above the base", false,
+           false}};
 template <>
 inline constexpr auto numbers<Markers> =
     std::tuple{Number{"counts", "", &Markers::counts, "two whole numbers [nx, ny] of markers along x and y",

@@ -123,6 +123,7 @@ std::vector<std::string> outside(const MeasuredPadScenes& measured, const fem::P
   if (!scene.sensor.layers.empty()) all.push_back("layers upon layers");
   if (!scene.sensor.relaxation.empty()) all.push_back("rubber that creeps");
   if (scene.friction_map) all.push_back("a map of friction");
+  if (scene.sensor.depth > 0) all.push_back("tactels above the base");
   if (scene.friction > 0) check("friction", scene.friction, measured.friction);
   return all;
 }

@@ -22,7 +22,7 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
   TomlTable in(file, "sensor");
   if (in.read_choice("kind", sensor_kinds) == 1u)
     in.refuse("kind", "\"line\" here: scenes of pads are for solve, simulate: and tactel.calibrate");
-  in.refuse_any({"pitch", "tactel_size", "axes", "width", "relaxation"}, left_out_of_a_line);
+  in.refuse_any({"pitch", "tactel_size", "axes", "width", "relaxation", "depth"}, left_out_of_a_line);
   const bool names_mesh = std::ranges::any_of(std::array{"columns", "rows", "grading", "element", "stress"},
                                               [&](const char* key) { return in.has(key); });
   const auto model = in.read_choice("model", {"auto", "mesh", "patch"});

@@ -77,6 +77,7 @@ SceneJson sensor_json(const fem::PadScene& scene) {
   add_layers(out, scene.sensor.layers);
   if (!scene.sensor.relaxation.empty()) out["relaxation"] = scene.sensor.relaxation;
   if (!scene.sensor.length || !scene.sensor.width) out.erase("sides");  // not known
+  if (scene.sensor.depth == 0) out.erase("depth");
   return out;
 }
 
@@ -136,6 +137,7 @@ SceneJson to_json(const fem::PadScene& scene) {
       out["markers"].erase("counts"), out["markers"].erase("pitch"), out["markers"]["places"] = scene.markers->places;
   }
   if (scene.camera) add_numbers(out["camera"], *scene.camera);
+  if (scene.camera && scene.camera->noise_px == 0) out["camera"].erase("noise_px");
   if (const auto& map = scene.friction_map)
     out["contact"] = {{"friction_map", map->rows}, {"friction_pitch", map->pitch}};
   return out;

@@ -480,6 +480,10 @@ void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource
       throw file_.error("markers", file_.root().get("markers"),
                         "left out where each contact draws its own thickness or Poisson's ratio: tables of each take "
                         "tenths of a second; or [sweep] sensors = n, for n sensors that the contacts share");
+    if (own_sides && from.scene.sensor.depth > 0)
+      throw file_.error("sensor.depth", all[i] ? all[i]->get("depth") : nullptr,
+                        "0 where each contact draws its own thickness or Poisson's ratio: tables of each take tenths "
+                        "of a second; or [sweep] sensors = n, for n sensors that the contacts share");
     for (const PadSource::NumberDraw& d : from.draws) {
       const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
       source.own_sensors_->any_poisson |=

@@ -30,6 +30,7 @@ struct Pad {
   std::vector<RubberLayer> layers{};         ///< from the base up, at most 8; none: one, of the numbers above
   /// Shares of E that relax, above 0 and below 1 in all, and their times, s, which differ; at most 4. None: elastic.
   std::vector<std::array<double, 2>> relaxation{};
+  double depth = 0;  ///< mm of the tactels above the base, at most three quarters of the thickness
   bool operator==(const Pad&) const = default;
 };
 

@@ -501,7 +501,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
 }
 
 PadTactels tactels_of(const fem::PadSensor& s) {
-  return {s.tactels, s.pitch, s.tactel_size, fem::TactelPoints::along(s)};
+  return {s.tactels, s.pitch, s.tactel_size, fem::TactelPoints::along(s), s.depth / s.thickness};
 }
 
 std::array<double, 4> free_block(const fem::PadSensor& sensor) {

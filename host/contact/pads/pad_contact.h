@@ -22,8 +22,9 @@ struct PadPath {
   std::vector<fem::PadTarget> steps;
 };
 
-/// What tactels of one launch have in common: numbers along x and y, pitch, size, how many points make one.
-using PadTactels = std::tuple<std::array<int, 2>, std::array<double, 2>, double, int>;
+/// What tactels of one launch have in common: numbers along x and y, pitch, size, how many points make one, and their
+/// depth over the thickness.
+using PadTactels = std::tuple<std::array<int, 2>, std::array<double, 2>, double, int, double>;
 PadTactels tactels_of(const fem::PadSensor& sensor);
 
 /// What scenes of one launch have in common where sides are free: length, width, thickness (mm), Poisson's ratio; else

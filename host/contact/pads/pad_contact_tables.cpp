@@ -142,7 +142,11 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
 }
 
 int PadTables::stress_rows_of(const fem::PadLayer& layer) {
-  return static_cast<int>(stress_rows * layer.reach() / fem::PadLayer::range);
+  return static_cast<int>((12 * stress_rows_at(layer.deep()) + 1) * layer.reach() / fem::PadLayer::range);
+}
+
+int PadTables::stress_rows_at(double deep) {
+  return static_cast<int>(std::ceil(stress_rows_a_thickness / deep - 1e-9));
 }
 
 PadTables::PadTables(const fem::Rubber& rubber, int cells, bool exact, bool means)
@@ -151,7 +155,7 @@ PadTables::PadTables(const fem::Rubber& rubber, int cells, bool exact, bool mean
       exact_(exact),
       means_(means),
       layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(rubber))),
-      stress_(quadratics(stress_rows_of(*layer_), stress_rows_a_thickness,
+      stress_(quadratics(stress_rows_of(*layer_), stress_rows_at(layer_->deep()),
                          [this](double rho) { return layer_->stresses(rho); })) {}
 
 PadTables::PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points)

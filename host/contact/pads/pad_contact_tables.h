@@ -31,7 +31,8 @@ class PadTables {
  public:
   /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
-  /// The same of a rubber: layers upon layers may carry shear farther.
+  /// The same where the stress is taken so deep, over H; and in all of a rubber, for layers may carry shear farther.
+  static int stress_rows_at(double deep);
   static int stress_rows_of(const fem::PadLayer& layer);
 
   /// `means`: displacements are means over cells (fem/pad/layer_means.h), as free sides need them, not values at their

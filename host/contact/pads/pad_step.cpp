@@ -50,7 +50,7 @@ std::vector<double> head_of_states(const fem::PadSensor& pad, const fem::PadCell
   std::vector<double> all{double(cells.n), double(cells.ny()), cells.hx / H, cells.hy / H,
                           pad.poisson,     block[0] / H,       block[1] / H};
   static_assert(state_length == 5 && state_width == 6);
-  const auto layers = fem::rubber(pad).layers;
+  const auto layers = fem::rubber(pad.layers, H, pad.young, pad.poisson).layers;
   const bool creeps = !pad.relaxation.empty();
   if (object.softness > 0 || !layers.empty() || creeps) all.insert(all.end(), {object.softness, object.poisson});
   for (const auto& [thickness, young, poisson] : layers) all.insert(all.end(), {thickness, young, poisson});

@@ -91,14 +91,22 @@ void take_points(const LaneState<Real>& lanes, const Eigen::MatrixX2d& places, c
 template <class Real>
 PadSums<Real> PadSums<Real>::stress(const LaneState<Real>& lanes, const std::vector<PadOnCells>& scenes,
                                     PadRubbers& rubbers, std::size_t width) {
-  PadSums sums{.rows = PadTables::stress_rows, .rows_a_thickness = PadTables::stress_rows_a_thickness};
+  const fem::PadSensor& pad = scenes.front().scene.sensor;
+  const double deep = 1 - pad.depth / pad.thickness;
+  PadSums sums{.rows = PadTables::stress_rows, .rows_a_thickness = PadTables::stress_rows_at(deep)};
   for (const PadOnCells& of : scenes)
     if (const fem::Rubber rubber = fem::rubber(of.scene.sensor); !rubber.layers.empty())
       sums.rows = std::max(sums.rows, PadTables::stress_rows_of(*rubbers.tables(rubber)->layer()));
-  const auto shares_of = [free = scenes.front().sides.kernel != nullptr](double side, double soft_thickness) {
+  const auto shares_of = [&, free = scenes.front().sides.kernel != nullptr](double side, double soft_thickness) {
     if (free) return gauss_points(static_cast<int>(std::ceil(side / uniform_part)));
     Shares all = fem::PadLayer::shares(side / soft_thickness);
-    return all.size() == 1 ? gauss_points(1) : all;
+    if (pad.depth == 0) return all.size() == 1 ? gauss_points(1) : all;
+    const double part = 1.0 / fem::PadLayer::parts(side / soft_thickness);
+    const Shares within = gauss_points(static_cast<int>(std::ceil(part * side / (uniform_part * deep))));
+    Shares finer;
+    for (const auto& [place, share] : all)
+      for (const auto& [at, of] : within) finer.push_back({place + part * at, share * of});
+    return finer;
   };
   take_cells(
       lanes, scenes, rubbers, [&](const fem::Rubber& rubber) { return rubbers.tables(rubber)->stress(); }, shares_of,

@@ -182,6 +182,22 @@ TEST(PadSource, SharedSensorsAreDrawnOnce) {
   EXPECT_EQ(poissons.size(), 3u);
 }
 
+TEST(PadSource, TactelsMayLieWithinTheRubber) {
+  const PadSource sweep = pads(head + sensor + "depth = 0.5\nyoung = { uniform = [1, 2] }\n" + sphere + press);
+  EXPECT_EQ(sweep.contact(3).scene.sensor.depth, 0.5);
+  EXPECT_EQ(pads(head + sensor + sphere + press).contact(3).scene.sensor.depth, 0);
+  EXPECT_THAT(message_of<PadSource>(head + "[sensor]\nkind = \"pad\"\ndepth = 0.5\nthickness = { uniform = [2, 3] }\n" +
+                                    sphere + press),
+              AllOf(HasSubstr("sensor.depth"), HasSubstr("its own thickness")));
+  for (const char* depth : {"-0.1", "1.51", "nan", "'half'", "{ uniform = [0, 1] }"})
+    EXPECT_THAT(message_of<PadSource>(head + sensor + "depth = " + depth + "\n" + sphere + press),
+                HasSubstr("sensor.depth"))
+        << depth;
+  EXPECT_THAT(
+      message_of<PadSource>(head + sensor + "depth = 0.5\nlength = 20\nwidth = 20\nsides = 'free'\n" + sphere + press),
+      AllOf(HasSubstr("sensor.depth"), HasSubstr("where sides are free")));
+}
+
 TEST(PadSource, RubberThatCreepsHasTimes) {
   const std::string creeping = sensor + "relaxation = [[0.2, 0.5]]\n", timed = "times = [1.0]\n";
   const PadSource sweep = pads(head + creeping + sphere + press + timed);
