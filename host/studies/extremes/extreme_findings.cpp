@@ -15,7 +15,7 @@
 namespace tactel::host {
 namespace {
 
-/// Numbers of LaneResultRow alone: paths of 100 000 increments would fill memory with forces that are never read.
+/// Numbers of LaneResultRow alone: paths of 90 000 increments would fill memory with forces that are never read.
 constexpr GapSweepOptions results_only{.base_forces = false, .tactels = false, .nodes = false};
 
 template <class Real>
@@ -140,7 +140,7 @@ double loop_drift(const ForcePath& path, std::size_t first) {
 }
 
 std::vector<ExtremeFinding> extreme_findings(Executor& executor, bool quick) {
-  const int turns = quick ? 300 : 10000, holds = quick ? 1000 : 100000, scenes = quick ? 40 : 500;
+  const int turns = quick ? 300 : 10000, holds = quick ? 1000 : 90000, scenes = quick ? 40 : 500;
   std::vector<ExtremeFinding> found = {reversals<float>(executor, turns), reversals<double>(executor, turns)};
   for (double drag : {0.1148, 0.236}) {
     found.push_back(holding<float>(executor, drag, holds));
