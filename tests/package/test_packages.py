@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What packages say and start, without a build: python3 -m unittest discover -s tests/package."""
+import ast
 import os
 import pathlib
 import re
@@ -114,6 +115,20 @@ class Release(unittest.TestCase):
         self.assertIn(f'no section "## {VERSION}"', self.refusal("## 0.9.0\n\n- less\n"))
         tag = ["tag", f"v{VERSION}"], ["commit", "-q", "--allow-empty", "-m", "more"]
         self.assertIn(f"the tag v{VERSION} names another commit", self.refusal(notes, git=tag))
+
+
+class Sources(unittest.TestCase):
+    def test_the_first_python_of_wheels_reads_them(self):
+        """What needs a newer one than pyproject.toml names: syntax, and a | b in an annotation that is evaluated."""
+        first = tuple(map(int, re.search(r'requires-python = ">=(\d+)[.](\d+)"', text("pyproject.toml")).groups()))
+        sources = [*PYTHON.rglob("*.py"), *(ROOT / "examples").rglob("*.py")]
+        for path in sources:
+            tree = ast.parse(path.read_text(), feature_version=first)
+            late = any(isinstance(node, ast.ImportFrom) and node.module == "__future__" for node in tree.body)
+            notes = [note for node in ast.walk(tree) for note in (getattr(node, "annotation", None), getattr(node, "returns", None)) if note]
+            unions = [note.lineno for note in notes for part in ast.walk(note) if isinstance(part, ast.BinOp)]
+            self.assertTrue(late or not unions or first >= (3, 10), f"{path}:{unions}: from __future__ import annotations")
+        self.assertGreater(len(sources), 20)
 
 
 class Wheel(unittest.TestCase):
