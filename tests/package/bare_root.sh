@@ -42,7 +42,7 @@ deb() {
   inside 'sed -n "/^cat > grip/,/^END/p" /usr/share/doc/tactel/docs/pad-to-alarm.md > grip.sh; . ./grip.sh
   pad="simulate:grip.toml?rest=3&hold=1&time_constant=0"
   tactel record --source "$pad" --seconds 4.7 --output hold.rec --quiet
-  tactel tare --source "$pad" --output pad.toml --hold hold.rec --quiet
+  tactel tare --source "$pad" --output pad.toml --hold hold.rec 2> said
   tactel monitor --source "$pad&paced=0" --calibration pad.toml --rest --alarm --quiet > lines
   grep -m 1 "\"alarm\": true" lines | grep "\"true_slip_index\": 0[.]8"'
   said "an alarm, of which the pad plays 10 s"
