@@ -63,8 +63,9 @@ def definitions(name, value, is_method=False):
     function = inspect.unwrap(getattr(value, "__func__", value))
     found = [(name, *one) for one in PYTHON.get(getattr(function, "__qualname__", ""), [])]
     if not found:
-        parts = re.split(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.*)$", value.__doc__ or "", flags=re.MULTILINE)
+        parts = re.split(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.*)$", function.__doc__ or "", flags=re.MULTILINE)
         for own_name, arguments, made, text in zip(*(parts[k::4] for k in (1, 2, 3, 4))):
+            assert own_name in (name, "__new__"), f"{name}: the signature is that of {own_name}"
             if is_method and own_name != "__new__":
                 arguments = re.sub(r"^\w+(: [^,]*)?", "self", arguments)
             found.append((own_name or name, words(arguments, TAKEN), words(made, MADE), text.strip()))

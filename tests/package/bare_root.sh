@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # The packages of a folder in a bare Debian, without a compiler: bare_root.sh deb|wheel FOLDER [SUITE], the suite bookworm unless named.
-#   deb    installed, `tactel demo` and two processes run, purged without a trace
+#   deb    installed, `tactel demo` and two processes run, an alarm, a network and a controller made, purged without a trace
 #   wheel  installed into an environment of the suite's Python, refused without an OpenCL device, run with that of pip
 # Takes root, debootstrap, a Debian mirror, for wheel also PyPI. Prints the seconds to the first answer.
 set -euo pipefail
@@ -39,6 +39,21 @@ deb() {
   said "first answer"
   inside 'tactel demo --output demo; test -s demo/contact.html; test -s demo/networks.html'
   said "demo"
+  inside 'sed -n "/^cat > grip/,/^END/p" /usr/share/doc/tactel/docs/pad-to-alarm.md > grip.sh; . ./grip.sh
+  pad="simulate:grip.toml?rest=3&hold=1&time_constant=0"
+  tactel record --source "$pad" --seconds 4.7 --output hold.rec --quiet
+  tactel tare --source "$pad" --output pad.toml --hold hold.rec 2> said
+  tactel monitor --source "$pad&paced=0" --calibration pad.toml --rest --alarm --quiet > lines
+  grep -m 1 "\"alarm\": true" lines | grep "\"true_slip_index\": 0[.]8"'
+  said "an alarm, of which the pad plays 10 s"
+  inside 'tactel generate /usr/share/tactel/examples/random_sweep.toml --output learn.h5 --quiet
+  tactel train learn.h5 --output networks --network 42-42-21-1 --scaling frame --cycles 5 --quiet
+  tactel recall networks learn.h5 --json errors.json > /dev/null; test -s errors.json'
+  said "a set of 100 000 contacts and a network of it"
+  inside 'apt-get install -y --no-install-recommends g++ pkg-config ./tactel-dev_*.deb > /dev/null
+  sed -n "/^.. controller.cpp/,/^}$/p" /usr/share/doc/tactel/README.md > controller.cpp
+  c++ -std=c++20 controller.cpp -o controller $(pkg-config --cflags --libs tactel); ./controller'
+  said "a compiler, and a controller"
   inside 'for page in /usr/share/man/man1/tactel*.1; do
     name="$(basename "$page" .1)"
     grep -A1 "^[.]SH NAME" "$page" | grep -q "^$name .- [a-z]" || { echo "$page: no NAME line"; exit 1; }
@@ -57,7 +72,7 @@ deb() {
   tactel generate sweep.toml --output one.h5 --quiet
   mpirun --oversubscribe -n 2 tactel-mpi generate sweep.toml --output two.h5 --quiet
   cmp one.h5 two.h5
-  dpkg --purge tactel-mpi tactel > /dev/null'
+  dpkg --purge tactel-mpi tactel-dev tactel > /dev/null'
   left="$(chroot "$root" find / -xdev -name '*tactel*' -not -path '/proc/*' -not -path '/root/*' -not -path '/var/log/*')"
   [ -z "$left" ] || fail "left after the removal: $left"
 }
@@ -87,6 +102,9 @@ steps = json.load(open(\"/root/answer.json\"))[\"steps\"]
 path = tactel.solve(tactel.read_scene(\"parabola.toml\"))
 assert numpy.array_equal([step[\"slip_index\"] for step in steps], path.slip_index), path.slip_index
 assert len(tactel.read_set(\"/root/set.h5\").frames) > 300
+steps = tactel.PadStepper(tactel.Pad(tactels=(4, 4), pitch=2, thickness=4, young=0.5, poisson=0.48), 1000, friction=0.6, cells=12, cell=0.6)
+steps.shapes(tactel.Sphere(radius=8))
+assert abs(steps.press([1.0, 0.1, 0, 0]).slip_index - 0.1 / 0.6).max() < 2e-3
 "'
   said "the module, the same numbers"
   inside 'venv/bin/tactel generate venv/share/tactel/examples/sweep.toml --output again.h5 2> said; cmp set.h5 again.h5

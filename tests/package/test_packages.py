@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What packages say and start, without a build: python3 -m unittest discover -s tests/package."""
+import ast
 import os
 import pathlib
 import re
@@ -12,6 +13,7 @@ from unittest import mock
 
 ROOT = pathlib.Path(__file__).parents[2]
 PYTHON = ROOT / "host/python"
+VERSION = re.search(r"\nversion: (\S+)\n", (ROOT / "CITATION.cff").read_text())[1]
 
 
 def text(name):
@@ -38,7 +40,6 @@ class Metadata(unittest.TestCase):
         done = subprocess.run([ROOT / "scripts/package", "rpm"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertIn("deb | wheel", done.stderr)
-
 
     def test_files_in_packages_have_the_date_of_the_commit(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -74,16 +75,33 @@ class Metadata(unittest.TestCase):
 class Release(unittest.TestCase):
     """scripts/release in a repository of its own, which has its scripts and what names the version."""
 
+    def repository(self, folder, changelog, more=()):
+        root = pathlib.Path(folder)
+        (root / "scripts").mkdir()
+        for name in ("scripts/release", "scripts/steps.sh", "CMakeLists.txt"):
+            (root / name).write_text(text(name))
+        (root / "CHANGELOG.md").write_text(changelog)
+        programs = {f"python3.{minor}": f"echo python3.{minor}" for minor in range(9, 16)}
+        programs |= {"python3.12": "exit 1", "scripts/package": "mkdir -p build-package; touch build-package/a.deb; echo made $@ >&2; [ $1 = deb ]"}
+        for program, does in programs.items():
+            (root / program).write_text(f"#!/bin/sh\n{does}\n")
+            (root / program).chmod(0o755)
+        git = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-C", folder]
+        for words in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "all"], *more):
+            subprocess.run([*git, *words], check=True)
+        return root
+
+    def test_interpreters_that_run_get_wheels(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = self.repository(folder, f"## {VERSION}\n\n- all of it\n")
+            done = subprocess.run(["bash", root / "scripts/release"], capture_output=True, text=True,
+                                  env={**os.environ, "PATH": f"{root}:{os.environ['PATH']}"})
+            self.assertIn("no python3.12 with pip: no wheel for it\nmade deb\n", done.stderr)
+            self.assertIn(f"made wheel {' '.join(f'python3.{minor}' for minor in (9, 10, 11, 13, 14, 15))}\n", done.stderr)
+
     def refusal(self, changelog, **then):
         with tempfile.TemporaryDirectory() as folder:
-            root = pathlib.Path(folder)
-            (root / "scripts").mkdir()
-            for name in ("scripts/release", "scripts/steps.sh", "CMakeLists.txt"):
-                (root / name).write_text(text(name))
-            (root / "CHANGELOG.md").write_text(changelog)
-            git = ["git", "-c", "user.name=a", "-c", "user.email=a@b", "-C", folder]
-            for words in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "all"], *then.get("git", [])):
-                subprocess.run([*git, *words], check=True)
+            root = self.repository(folder, changelog, then.get("git", ()))
             if "file" in then:
                 (root / then["file"]).write_text("")
             done = subprocess.run(["bash", root / "scripts/release"], capture_output=True, text=True)
@@ -92,12 +110,25 @@ class Release(unittest.TestCase):
             return done.stderr
 
     def test_what_is_no_release_is_refused(self):
-        version = re.search(r"\nversion: (\S+)\n", text("CITATION.cff"))[1]
-        notes = f"## {version}\n\n- all of it\n"
+        notes = f"## {VERSION}\n\n- all of it\n"
         self.assertIn("the tree has changes", self.refusal(notes, file="new.txt"))
-        self.assertIn(f'no section "## {version}"', self.refusal("## 0.9.0\n\n- less\n"))
-        tag = ["tag", f"v{version}"], ["commit", "-q", "--allow-empty", "-m", "more"]
-        self.assertIn(f"the tag v{version} names another commit", self.refusal(notes, git=tag))
+        self.assertIn(f'no section "## {VERSION}"', self.refusal("## 0.9.0\n\n- less\n"))
+        tag = ["tag", f"v{VERSION}"], ["commit", "-q", "--allow-empty", "-m", "more"]
+        self.assertIn(f"the tag v{VERSION} names another commit", self.refusal(notes, git=tag))
+
+
+class Sources(unittest.TestCase):
+    def test_the_first_python_of_wheels_reads_them(self):
+        """What needs a newer one than pyproject.toml names: syntax, and a | b in an annotation that is evaluated."""
+        first = tuple(map(int, re.search(r'requires-python = ">=(\d+)[.](\d+)"', text("pyproject.toml")).groups()))
+        sources = [*PYTHON.rglob("*.py"), *(ROOT / "examples").rglob("*.py")]
+        for path in sources:
+            tree = ast.parse(path.read_text(), feature_version=first)
+            late = any(isinstance(node, ast.ImportFrom) and node.module == "__future__" for node in tree.body)
+            notes = [note for node in ast.walk(tree) for note in (getattr(node, "annotation", None), getattr(node, "returns", None)) if note]
+            unions = [note.lineno for note in notes for part in ast.walk(note) if isinstance(part, ast.BinOp)]
+            self.assertTrue(late or not unions or first >= (3, 10), f"{path}:{unions}: from __future__ import annotations")
+        self.assertGreater(len(sources), 20)
 
 
 class Wheel(unittest.TestCase):

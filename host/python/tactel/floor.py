@@ -10,6 +10,7 @@ moves them, one half by the differences of the other (ter Braak 2006).
 Two numbers must meet: the mean of |S - median| over the posterior, and that of the |S - median| of the true S. The rank of the
 true S in the posterior is uniform. Where either fails the sampling has not converged, and there is no floor.
 """
+from __future__ import annotations
 
 import argparse
 import glob
