@@ -160,6 +160,9 @@ static void store(global const vreal *input, global const vreal *heights, global
     KEEP(own[STEP_GX * COUNT], c->gx[i].v[v]);
     KEEP(own[STEP_GY * COUNT], c->gy[i].v[v]);
     KEEP(own[STEP_UZ * COUNT], PICK(c->near[i].v[v], c->uz[i].v[v], ALL_LANES((real)STEP_UNKNOWN)));
+#if CREEP_TERMS
+    own[STEP_UZ * COUNT] = PICK(s->valid.v[v], own[STEP_UZ * COUNT], ALL_LANES((real)STEP_UNKNOWN));
+#endif
   }
 #undef KEEP
 }
@@ -389,7 +392,8 @@ kernel void pad_creep_begin(uint first_group, global const real *table, global c
   }
 }
 
-/* After it: the tractions as they are, and what all cells remember of them. */
+/* After it: the tractions as they are, and what all cells remember of them. Where cells near the indenter are, the step
+   has summed. */
 kernel void pad_creep_end(uint first_group, global const real *table, global const real *numbers, real softer,
                           global const vreal *soft, global vreal *state) {
   TAKE_GROUP(group);
@@ -408,15 +412,22 @@ kernel void pad_creep_end(uint first_group, global const real *table, global con
   list_pressing(&c);
   ROLLED for (int i = 0; i < COUNT; ++i) {
     Lanes u[3];
-    displacement(&influence, &c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
-    add_own(&c, i, &u[0], &u[1], &u[2]);
+    Masks far;
+    EACH_VECTOR(v) { far.v[v] = state[v * STATE_ROWS + STEP_UZ * COUNT + i] >= (real)STEP_UNKNOWN; }
+    if (any_of(&far)) {
+      displacement(&influence, &c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
+      add_own(&c, i, &u[0], &u[1], &u[2]);
+    }
     ROLLED for (int v = 0; v < VECTORS; ++v) {
       global vreal *own = state + v * STATE_ROWS + i, *w = own + CREEP_AT;
-      const vint open = c.n[i].v[v] == 0;
+      EACH(k, 3) {
+        const vreal summed = own[(STEP_GX + k) * COUNT];
+        u[k].v[v] = ANY(far.v[v]) ? PICK(far.v[v], u[k].v[v], summed) : summed;
+      }
       vreal m[CREEP_FIELDS];
       crept_at(numbers, own, m);
-      own[STEP_GX * COUNT] = PICK(open, u[0].v[v], own[STEP_GX * COUNT]) + m[0];
-      own[STEP_GY * COUNT] = PICK(open, u[1].v[v], own[STEP_GY * COUNT]) + m[1];
+      own[STEP_GX * COUNT] = u[0].v[v] + m[0];
+      own[STEP_GY * COUNT] = u[1].v[v] + m[1];
 #if MARKED
       EACH(k, 3) { own[STRAINING_AT + k * COUNT] = own[k * COUNT] + m[3 + k]; }
 #endif
