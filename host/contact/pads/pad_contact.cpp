@@ -26,7 +26,8 @@ namespace {
 
 constexpr int own_tables = 0;   ///< in place of a number of vectors: every lane has a table of its own
 constexpr int free_sides = -1;  ///< the same: work-items are scenes whose sides are free
-constexpr std::size_t bytes_of_wide_vector = 64;  ///< of AVX-512
+constexpr std::size_t bytes_of_wide_vector = 64;           ///< of AVX-512
+constexpr std::size_t most_forces = std::size_t{1} << 24;  ///< of cells in a launch; twice as many on a GPU
 constexpr int many_cells = 12;  ///< a side: the tractions of a wide vector of scenes are beyond the nearest cache
 
 /// Whether the twin searches the contact: pad_search.cl knows flat skins of one layer, whose sides are held.
@@ -298,14 +299,22 @@ struct PadContact<Real>::State {
     return std::max<std::size_t>(8, bytes / (sizeof(Real) * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells))));
   }
 
-  void put_free_jobs(Laid& b) {
-    const std::size_t at_once = std::min(groups_at_once(), b.lanes);
-    b.borrow = [&b, this, size = at_once * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells))] {
+  /// Lends a run the memory of an argument that nobody reads after it, of this kernel or all: launches one after
+  /// another touch the same pages.
+  void lend(Laid& b, std::string_view kernel, std::string_view argument, std::size_t size) {
+    b.borrow = [&b, this, kernel, argument, size, others = std::move(b.borrow)]() -> std::shared_ptr<const void> {
+      const auto other = others ? others() : std::shared_ptr<const void>();
       auto lent = side_tables.borrow(size);
       for (auto& jobs : b.rounds)
-        if (Launch& launch = jobs.front().launch; launch.kernel() == "pad_free_contact") launch.set("pairs", *lent);
-      return lent;
+        for (Job& job : jobs)
+          if (kernel.empty() || job.launch.kernel() == kernel) job.launch.set(argument, *lent);
+      return std::make_shared<const std::pair<decltype(lent), decltype(other)>>(lent, other);
     };
+  }
+
+  void put_free_jobs(Laid& b) {
+    const std::size_t at_once = std::min(groups_at_once(), b.lanes);
+    lend(b, "pad_free_contact", "pairs", at_once * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells)));
     for (std::size_t first = 0; first < b.lanes; first += at_once)
       b.rounds.push_back({{contact_launch(b, free_sides, first), std::min(at_once, b.lanes - first)}});
     b.rounds.push_back({{sums_launch(b, b.stress, own_tables), b.stress.groups}});
@@ -366,11 +375,13 @@ std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(const fem::Rubber& 
 
 template <class Real>
 std::size_t PadContact<Real>::most_lane_steps(const Scenes& scenes) const {
-  constexpr std::size_t most_numbers = std::size_t{1} << 25, most_with_responses = 4096;
+  constexpr std::size_t most_with_responses = 4096;
   const std::size_t markers = scenes.all_.empty() ? 0 : fem::marker_count(scenes.all_.front().scene.markers);
+  const bool gpu = state_->device().info().type == DeviceType::gpu;
   const bool creeps =
       std::ranges::any_of(scenes.all_, [](const auto& one) { return !one.scene.sensor.relaxation.empty(); });
-  const std::size_t most = most_numbers / (3 * std::max((creeps ? 2 : 1) * state_->count(), markers));
+  const std::size_t most =
+      (gpu ? 2 : 1) * most_forces / (3 * std::max((creeps ? 2 : 1) * state_->count(), markers));
   return long_pads_ ? std::min(most, most_with_responses) : most;
 }
 
@@ -420,7 +431,8 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   const auto outputs = [&](std::size_t rows, bool written = true) {
     return LaneArray<Real>(s.device(), written ? b.lanes : 0, 1, b.steps, rows);
   };
-  b.cell_forces = outputs(static_cast<std::size_t>(b.force_parts()) * s.count());
+  const std::size_t numbers = static_cast<std::size_t>(b.force_parts()) * s.count();
+  b.cell_forces = outputs(numbers, forces);
   b.results = outputs(PAD_RESULT_ROWS);
   b.outputs = outputs(3 * static_cast<std::size_t>(b.stress.count + b.markers.count));
   b.forces = forces ? b.cell_forces : outputs(0, false), b.patches = outputs(0, false);
@@ -428,7 +440,7 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
     s.put_free_jobs(b);
   else
     s.put_held_jobs(b, lanes);
-  if (!forces) b.on_cells.clear();
+  if (!forces) b.on_cells.clear(), s.lend(b, "", "forces", std::max(most_forces, b.lanes * b.steps * numbers));
   return Batch(std::move(laid));
 }
 

@@ -117,7 +117,7 @@ class PadContact {
   Executor& executor() const;
   /// Returns the layer of a rubber.
   std::shared_ptr<const fem::PadLayer> layer(const fem::Rubber& rubber) const;
-  /// Load steps of a launch of such scenes, at most: some 130 MB of forces, and of displacements of markers.
+  /// Load steps of a launch of such scenes, at most: some 67 MB of forces, and of displacements of markers.
   std::size_t most_lane_steps(const Scenes& scenes) const;
   /// Returns the same with fewer load steps a launch, for pads whose block is not the same everywhere: each scene has
   /// its own responses, some 0.3 MB.
