@@ -87,7 +87,7 @@ typedef struct {
   int from[CELLS], to[CELLS];         /* of a column: the first of them, and behind the last */
   /* 1 / all that a cell does to itself: rows of a sweep are divided by it */
   Lanes per_own_n[WHERE(OWN_ROWS, COUNT)], per_own_t[WHERE(OWN_ROWS, COUNT)];
-  Lanes crept[WHERE(CREEPING, CREEPS * COUNT)]; /* before the increment */
+  Lanes crept[WHERE(CREEPING, CREEPS *COUNT)];  /* before the increment */
   int block[WHERE(FREE_SIDES, BLOCKS)], blocks; /* of SUMMANDS cells, those with cells in the list */
   Lanes soft[WHERE(STEPPED, COUNT)];            /* compliance of its own that a cell adds, over that of one on itself */
   Masks near[WHERE(STEPPED, COUNT)];            /* of each lane: cells that the indenter may touch */

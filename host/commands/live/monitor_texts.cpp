@@ -111,8 +111,7 @@ std::string friction_text(std::span<const float> mu) {
   std::string text;
   bool read = false;
   for (const float each : mu) {
-    text +=
-        fmt::format("{}{}", text.empty() ? "" : ", ", std::isnan(each) ? "not read" : fmt::format("{:.2g}", each));
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", std::isnan(each) ? "not read" : fmt::format("{:.2g}", each));
     read |= !std::isnan(each);
   }
   return read ? "note: it slides: friction " + text : "note: friction was not read: no frame has an answer";

@@ -380,8 +380,7 @@ std::size_t PadContact<Real>::most_lane_steps(const Scenes& scenes) const {
   const bool gpu = state_->device().info().type == DeviceType::gpu;
   const bool creeps =
       std::ranges::any_of(scenes.all_, [](const auto& one) { return !one.scene.sensor.relaxation.empty(); });
-  const std::size_t most =
-      (gpu ? 2 : 1) * most_forces / (3 * std::max((creeps ? 2 : 1) * state_->count(), markers));
+  const std::size_t most = (gpu ? 2 : 1) * most_forces / (3 * std::max((creeps ? 2 : 1) * state_->count(), markers));
   return long_pads_ ? std::min(most, most_with_responses) : most;
 }
 
