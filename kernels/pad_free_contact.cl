@@ -3,8 +3,8 @@
    one scene. It makes the table of all pairs of its cells (pad/free_sides.h), and takes WIDE cells at a time. Rows of a
    sweep are divided by what each cell does to itself.
 
-   Built with -D REAL, CELLS, WIDE (1, 2, 4, 8, 16), FRICTION_MAP, LANES 1 and VECTORS 1. */
-// defines of WIDE: CELLS=8 VECTORS=1
+   Built with -D REAL, CELLS, WIDE (1, 2, 4, 8, 16), FRICTION_MAP, CREEP_TERMS, LANES 1 and VECTORS 1. */
+// defines of WIDE: CELLS=8 VECTORS=1 FRICTION_MAP=1 CREEP_TERMS=2
 #define FREE_SIDES 1
 #include "pad/free_sides.h"
 #include "pad/path.h"

@@ -36,8 +36,8 @@
 #define CREEP_TERMS 0
 #endif
 #define CREEPING (CREEP_TERMS > 0 && !STEPPED)
-#if CREEPING
 #define CREEPS 6 /* numbers of a cell that creep */
+#if CREEPING
 #define CREPT(c, k, i, v) (c)->crept[(k)*COUNT + (i)].v[v]
 #define LESS_CREPT(c, i, v) -CREPT(c, 2, i, v)
 #else

@@ -139,9 +139,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
 #else
       const vreal ux = c->ux[i].v[v], uy = c->uy[i].v[v];
 #endif
-#if FRICTION_MAP
-      grip = fma(MU(i, v), n, grip);
-#endif
+      if (FRICTION_MAP) grip = fma(MU(i, v), n, grip);
       const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - ux * influence->root_tt,
                   slip_y = s->y.v[v] + s->twist.v[v] * own_x - uy * influence->root_tt;
       slid = PICK(touches, LARGER(fma(slip_x, slip_x, slip_y * slip_y), slid), slid);
@@ -181,9 +179,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_SLID] = s->slid.v[v] * H;
     to[PAD_RESULT_SLIP_PATH] = s->slip_path.v[v] * H;
     to[PAD_RESULT_MU] = in[PAD_MU];
-#if FRICTION_MAP
-    to[PAD_RESULT_MU] = PICK(P > 0, grip * t_unit / (P * n_unit), in[PAD_MU]);
-#endif
+    if (FRICTION_MAP) to[PAD_RESULT_MU] = PICK(P > 0, grip * t_unit / (P * n_unit), in[PAD_MU]);
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[RESULT_COMPLEMENTARITY + r], worst); }
