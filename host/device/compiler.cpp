@@ -264,6 +264,7 @@ class CompilingProcess {
     std::vector<std::string> all = words;
     all.push_back(cache.folder()), all.push_back(cache.own() / "compiler");
     std::vector<char*> arguments;
+    arguments.reserve(all.size() + 1);
     for (std::string& word : all) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const int error = ::posix_spawn(&child_, arguments[0], &actions, &attributes, arguments.data(), environ);

@@ -16,9 +16,9 @@ PadMoments::PadMoments(const PadShape& shape) : tactels_(shape.tactels), axes_(s
   const std::size_t rows = tactels_ / columns;
   double square = 0;
   for (std::size_t t = 0; t < tactels_; ++t) {
+    const std::size_t row = t / columns;
     x_.push_back(static_cast<float>(static_cast<double>(t % columns) - 0.5 * static_cast<double>(columns - 1)));
-    y_.push_back(
-        static_cast<float>(shape.aspect * (static_cast<double>(t / columns) - 0.5 * static_cast<double>(rows - 1))));
+    y_.push_back(static_cast<float>(shape.aspect * (static_cast<double>(row) - 0.5 * static_cast<double>(rows - 1))));
     square += x_[t] * x_[t] + y_[t] * y_[t];
   }
   const auto radius = static_cast<float>(square > 0 ? std::sqrt(square / static_cast<double>(tactels_)) : 1.0);
