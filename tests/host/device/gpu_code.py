@@ -20,7 +20,7 @@ import tempfile
 TARGETS = [("nvptx64-unknown-nvcl", ["-march={}"], ["sm_90", "sm_86", "sm_80"]), ("amdgcn-amd-amdhsa", ["-mcpu={}", "-nogpulib"], ["gfx90a"])]
 
 VALUES = {"ELEMENTS": (8, 12, 24), "CELLS": (8, 12, 16, 24), "FORCE_CONTROL": (0, 1), "FRICTION": (0, 1), "SENSORS": (0, 1), "OWN_TABLES": (0, 1),
-          "MIRRORED": (0, 1), "DENSE": (0, 1), "LEAKY_RELU": (0, 1), "BOUND": (0, 1), "OUTPUTS": (1, 3), "HIDDEN2": (0, 21)}
+          "MIRRORED": (0, 1), "DENSE": (0, 1), "LEAKY_RELU": (0, 1), "BOUND": (0, 1), "OUTPUTS": (1, 3), "HIDDEN2": (0, 21), "CREEP_TERMS": (0, 2)}
 
 
 def variants(kernel):
