@@ -8,7 +8,6 @@
 #include "fem/pad/side_kernel.h"
 
 namespace tactel::fem {
-namespace {}  // namespace
 
 AnswerError pad_difference(const PadSolution& a, const PadSolution& b) {
   AnswerError e;

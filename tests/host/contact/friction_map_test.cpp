@@ -14,6 +14,7 @@
 #include "host/contact/pads/pad_contact.h"
 #include "host/contact/pads/pad_stream.h"
 #include "tests/fem/expect_error.h"
+#include "tests/host/contact/pad_launch.h"
 #include "tests/host/contact/stepped.h"
 
 namespace tactel::host::friction_map_test {
@@ -25,14 +26,6 @@ std::vector<fem::PadScene> mix(const fem::PadSensor& sensor, std::size_t count) 
   std::vector<fem::PadScene> scenes(count);
   for (fem::PadScene& scene : scenes) scene = draw();
   return scenes;
-}
-
-template <class Real>
-typename PadContact<Real>::Batch ran(std::span<const fem::PadScene> scenes, double tolerance) {
-  auto batch = PadContact<Real>(executor(), {.cells = 8, .tolerance = tolerance}).prepare(scenes);
-  batch.fill_unused(std::numeric_limits<Real>::quiet_NaN());
-  batch.run();
-  return batch;
 }
 
 void expect_same(const fem::PadSolution& a, const fem::PadSolution& b, std::size_t i) {

@@ -19,6 +19,7 @@
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/fem/pad/named_pad_scenes.h"
+#include "tests/host/contact/pad_launch.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host::pad_contact_test {
@@ -34,16 +35,6 @@ std::vector<fem::PadScene> mix(const fem::PadSensor& sensor, std::size_t count, 
   std::vector<fem::PadScene> scenes(count);
   for (fem::PadScene& scene : scenes) scene = draw();
   return scenes;
-}
-
-template <class Real>
-typename PadContact<Real>::Batch ran(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
-                                     std::span<const fem::PadCells> cells = {}) {
-  auto batch = contact.prepare(scenes, cells);
-  batch.fill_unused(static_cast<Real>(nan));
-  batch.fill_outputs(static_cast<Real>(nan));
-  batch.run();
-  return batch;
 }
 
 template <class Real>

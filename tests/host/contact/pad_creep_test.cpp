@@ -10,6 +10,7 @@
 #include "fem/pad/pad_markers.h"
 #include "fem/pad/pad_mix.h"
 #include "host/contact/pads/pad_contact.h"
+#include "tests/host/contact/pad_launch.h"
 #include "tests/host/contact/stepped.h"
 
 namespace tactel::host::pad_creep_test {
@@ -30,14 +31,6 @@ std::vector<fem::PadScene> mix(const fem::PadSensor& sensor, std::size_t count, 
     scene.validate();
   }
   return scenes;
-}
-
-template <class Real>
-typename PadContact<Real>::Batch ran(std::span<const fem::PadScene> scenes, double tolerance) {
-  auto batch = PadContact<Real>(executor(), {.cells = 8, .tolerance = tolerance}).prepare(scenes);
-  batch.fill_unused(std::numeric_limits<Real>::quiet_NaN());
-  batch.run();
-  return batch;
 }
 
 /// Markers are sums over points of cells, which miss 1 % (tests/host/sets/pad_set_test.cpp).

@@ -13,6 +13,7 @@
 #include "host/contact/pads/pad_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
+#include "tests/host/contact/pad_launch.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host::pad_free_contact_test {
@@ -61,15 +62,6 @@ std::vector<fem::PadScene> scenes_on(double H, double poisson) {
   for (const std::size_t by_force : {2u, 6u})
     scenes[by_force].load.indentation.clear(), scenes[by_force].load.normal_force = {3, 6};
   return scenes;
-}
-
-template <class Real>
-typename PadContact<Real>::Batch ran(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes) {
-  auto batch = contact.prepare(scenes);
-  batch.fill_unused(std::numeric_limits<Real>::quiet_NaN());
-  batch.fill_outputs(std::numeric_limits<Real>::quiet_NaN());
-  batch.run();
-  return batch;
 }
 
 struct Near {
