@@ -203,8 +203,8 @@ TEST(PadStepFrictionMap, MeetsWrenchesThatItBears) {
 // What all touching cells lack: friction that lies elsewhere does not help.
 TEST(PadStepFrictionMap, SlidesWhereNothingRubs) {
   PadStepper<float> steps(executor(), rubber, 1, std::array{0.5}, {.cells = 12, .cell = 0.3});
-  std::vector<double> mu;
-  for (int i = 0; i < steps.cells().count(); ++i) mu.push_back(std::abs(steps.cells().x(i / 12)) > 1.2 ? 0.8 : 0);
+  std::vector<double> mu(static_cast<std::size_t>(steps.cells().count()));
+  for (int i = 0; double& each : mu) each = std::abs(steps.cells().x(i++ / 12)) > 1.2 ? 0.8 : 0;
   steps.set_friction(mu);
   put(steps, 1);
   steps.press(std::array{0.2, 0.0, 0.0, 0.0});

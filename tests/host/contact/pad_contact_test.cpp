@@ -204,9 +204,10 @@ std::vector<fem::PadScene> soft_mix(std::size_t count, unsigned seed) {
   std::vector<fem::PadScene> scenes = mix(sensor_of(0.45), count, seed);
   for (std::size_t i = 0; i < count; ++i) {
     const auto k = static_cast<double>(i);
-    if (i % 5 != 0) scenes[i].indenter.young = 0.1 * std::exp2(k / 3), scenes[i].indenter.poisson = 0.05 * (i % 11);
-    if (i % 3 == 0) scenes[i].sensor.curvature_radius = 10 + k, scenes[i].indenter.position = {0.1 * (i % 7), -0.3};
-    if (i % 4 == 1) scenes[i].sensor.poisson = 0.3 + 0.02 * (i % 9);
+    const auto turn = [i](std::size_t of) { return static_cast<double>(i % of); };
+    if (i % 5 != 0) scenes[i].indenter.young = 0.1 * std::exp2(k / 3), scenes[i].indenter.poisson = 0.05 * turn(11);
+    if (i % 3 == 0) scenes[i].sensor.curvature_radius = 10 + k, scenes[i].indenter.position = {0.1 * turn(7), -0.3};
+    if (i % 4 == 1) scenes[i].sensor.poisson = 0.3 + 0.02 * turn(9);
   }
   return scenes;
 }
