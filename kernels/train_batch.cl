@@ -6,15 +6,16 @@
    the lanes and need no sum over lanes. Sums run over the frames of a slice one by one, then over slices in order. No
    result therefore depends on the number of threads.
 
-   Three kernels:
-     train_batch    batches of at most one slice, many of them in one launch; a work-item trains a network
-     batch_descent  one slice of a larger batch
-     batch_update   the sum over slices and the change of the weights; a work-item takes some of the weights
+   Two kernels:
+     train_batch   batches of at most one slice, many of them in one launch, where a work-item trains a network; or the
+                   slices of a larger batch, a work-item each
+     batch_update  the sum over slices and the change of the weights; a work-item takes some of the weights
 
    A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole
    vectors. Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with
    the pinball loss), LEAKY_RELU (1: hidden neurons are leaky rectifiers). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
+#include "shared/batch_rule.h"
 #include "shared/forward_layer.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
@@ -28,14 +29,9 @@
 #define LAYER2 (HIDDEN1 * ROW0)                /* where layers begin */
 #define LAYER3 (LAYER2 + (HIDDEN2 ? HIDDEN2 * ROW1 : 0))
 #define NUMBERS (LAYER3 + OUTPUTS * ROWL)        /* in a network */
+#define UPDATES ((NUMBERS / LANES + UPDATE_VECTORS - 1) / UPDATE_VECTORS) /* work-items of a network's batch_update */
 #define OUTER_ROWS (sizeof(vreal) == 64 ? 7 : 3) /* rows and vectors of an outer product that are summed together */
 #define OUTER_VECTORS 3
-
-/* The rule's numbers; see nn::BatchOptions. */
-typedef struct {
-  int adam;
-  real momentum, beta1, beta2, epsilon;
-} Rule;
 
 /* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
 typedef struct {
@@ -184,21 +180,6 @@ INLINE void outer_output(int begins, int vectors, const vreal (*o)[FRAME_VECTORS
   }
 }
 
-#if OUTPUTS > 1
-/* -dL/dq of the pinball loss: level - [target < q]. */
-INLINE vreal pinball_error(vreal target, vreal q, real level) {
-  return PICK(target < q, ALL_LANES(level - 1), ALL_LANES(level));
-}
-
-/* The deltas of the three heads (nn/quantile_heads.h). o, delta: [3]; target: S - 0.5, as the outputs. */
-INLINE void quantile_deltas(const vreal *o, vreal target, real level, vreal counts, vreal *delta) {
-  const vreal upper = pinball_error(target, o[0] + (o[1] + (real)0.5), level);
-  const vreal lower = pinball_error(target, o[0] - (o[2] + (real)0.5), 1 - level);
-  const vreal error[3] = {(pinball_error(target, o[0], (real)0.5) + upper) + lower, upper, -lower};
-  EACH(h, 3) { delta[h] = error[h] * counts * activation_slope(o[h]); }
-}
-#endif
-
 /* Outputs of the hidden layers for the tile's frames. */
 INLINE void forward_tile(const int vectors, Tile *t, global const real *w) {
   forward_layer(vectors, INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
@@ -208,11 +189,10 @@ INLINE void forward_tile(const int vectors, Tile *t, global const real *w) {
 }
 
 /* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. begins: 1 for the
-   slice's first tile. absolute: 1 for the absolute loss, whose error is a sign. */
+   slice's first tile. */
 INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *sums, vreal *errors, int absolute,
                        real level) {
   const int vectors = t->vectors;
-  (void)absolute, (void)level; /* one output takes the first, quantile heads the second */
   if (LANES > 1 && vectors == 1)
     forward_tile(1, t, w);
   else
@@ -225,19 +205,13 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
   vreal(*d_last)[FRAME_VECTORS] = t->d1;
 #endif
   for (int v = 0; v < vectors; ++v) {
-    const vreal output = forward_output(LAST, w + LAYER3, last, v);
-    const vreal error = (t->target[v] - output) * t->counts[v];
+    vreal output[OUTPUTS], delta[OUTPUTS];
+    EACH(h, OUTPUTS) { output[h] = forward_output(LAST, w + LAYER3 + h * ROWL, last, v); }
+    const vreal error = (t->target[v] - output[0]) * t->counts[v];
     errors[0] = fma(error, error, errors[0]);
     errors[1] = fmax(errors[1], fabs(error));
-#if OUTPUTS > 1
-    const vreal outputs[3] = {output, forward_output(LAST, w + LAYER3 + ROWL, last, v),
-                              forward_output(LAST, w + LAYER3 + 2 * ROWL, last, v)};
-    vreal delta[3];
-    quantile_deltas(outputs, t->target[v], level, t->counts[v], delta);
-    EACH(h, 3) { t->d_out[h][v] = delta[h]; }
-#else
-    t->d_out[0][v] = (absolute ? sign(error) : error) * activation_slope(output);
-#endif
+    output_deltas(output, t->target[v], error, t->counts[v], absolute, level, delta);
+    EACH(h, OUTPUTS) { t->d_out[h][v] = delta[h]; }
   }
   ROLLED for (int k = 0; k < LAST; ++k) {
     for (int v = 0; v < vectors; ++v) {
@@ -277,82 +251,56 @@ static __attribute__((noinline)) void learn_slice(global const real *w, global c
   for (int lane = 0; lane < LANES; ++lane) errors[1] = fmax(errors[1], ((const real *)(lane_errors + 1))[lane]);
 }
 
-/* One vector of weights: descent is the mean over the batch.
-   factors: [4] of the update: Adam's 1 / (1 - beta1^t) and 1 / (1 - beta2^t), the learning rate, and the share of the
-   new weights in their mean; without a mean 0, and `mean` is not touched. */
-INLINE void update_vector(const Rule *rule, vreal descent, global real *w, global real *first, global real *second,
-                          global real *mean, global const real *factors) {
-  const real rate = factors[2], share = factors[3];
-  vreal m = LOAD(first), now;
-  if (rule->adam) {
-    m = fma(ALL_LANES(rule->beta1), m, (1 - rule->beta1) * descent);
-    const vreal s = fma(ALL_LANES(rule->beta2), LOAD(second), (1 - rule->beta2) * descent * descent);
-    STORE(s, second);
-    now = LOAD(w) + rate * (m * factors[0]) / (sqrt(s * factors[1]) + rule->epsilon);
-  } else {
-    m = fma(ALL_LANES(rule->momentum), m, rate * descent);
-    now = LOAD(w) + m;
-  }
-  STORE(now, w);
-  STORE(m, first);
-  if (share > 0) STORE(fma(ALL_LANES(share), now - LOAD(mean), LOAD(mean)), mean);
-}
-
-/* Trains network `group` on `batches` batches of at most one slice.
+/* Learns from slice `group % slices` of each of `batches` batches, for the network `group / slices` behind `network`.
    weights, first, second, mean: [networks][NUMBERS], changed in place; first: last change or first moment; second:
             second moment; mean: of the weights
-   sums:    [networks][NUMBERS], scratch
-   errors:  [networks][batches][2], sum of squared errors and largest error of each batch, as it was shown
+   sums:    [groups][NUMBERS], of the last batch
+   errors:  [groups][batches][2], sum of squared errors and largest error of each slice, as it was shown
    factors: [batches][4], see update_vector
    inputs:  [sets][rows + 1][ROW0], scaled, 1 at place INPUTS, then zeros; row `rows` all zeros
    set_of:  [networks]
    targets: [rows + 1], S - 0.5; the last unused
-   order:   [networks][rows], rows as this epoch shows them; the launch begins at place `begin`
+   order:   [networks][rows], rows as this epoch shows them; the first batch begins at place `begin`
+   changes: 1 where a batch is one slice, and changes the weights; else batch_update does, after one batch
    level:   of the upper quantile, where OUTPUTS is 3 */
 kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second,
                         global real *mean, global real *sums, global real *errors, global const real *factors,
                         global const real *inputs, global const uint *set_of, global const real *targets,
-                        global const uint *order, uint rows, uint begin, uint batch, uint batches, int absolute,
-                        real level, int adam, real momentum, real beta1, real beta2, real epsilon) {
+                        global const uint *order, uint rows, uint network, uint slices, uint slice, uint begin,
+                        uint batch, uint batches, int changes, int absolute, real level, int adam, real momentum,
+                        real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, momentum, beta1, beta2, epsilon};
-  const size_t at = group * NUMBERS;
-  inputs += (size_t)set_of[group] * (rows + 1) * ROW0;
-  order += group * rows;
+  network += group / slices;
+  const size_t at = (size_t)network * NUMBERS;
+  inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
+  order += (size_t)network * rows;
+  sums += group * NUMBERS;
   errors += group * batches * 2;
-  for (uint b = 0; b < batches; ++b) {
-    const uint from = begin + b * batch, count = min(batch, rows - from);
-    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b, absolute, level);
+  for (uint b = 0; b < batches; ++b, begin += batch) {
+    const uint count = min(batch, rows - begin), from = (uint)(group % slices) * slice;
+    learn_slice(weights + at, inputs, targets, order + begin + from, min(slice, count - from), rows, sums,
+                errors + 2 * b, absolute, level);
     const real share = 1 / (real)count;
-    ROLLED for (size_t i = at; i < at + NUMBERS; i += LANES) {
-      update_vector(&rule, LOAD(sums + i) * share, weights + i, first + i, second + i, mean + i, factors + 4 * b);
+    ROLLED for (size_t i = 0; changes && i < NUMBERS; i += LANES) {
+      const size_t k = at + i;
+      update_vector(&rule, LOAD(sums + i) * share, weights + k, first + k, second + k, mean + k, factors + 4 * b);
     }
   }
 }
 
-/* Slice `group` of the batch that is order[begin ... begin + count - 1], for one network.
-   sums: [slices][NUMBERS];  errors: [slices][2];  the others as above */
-kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors,
-                          global const real *inputs, global const uint *set_of, global const real *targets,
-                          global const uint *order, uint rows, uint network, uint begin, uint count, uint slice,
-                          int absolute, real level) {
-  TAKE_GROUP(group);
-  const uint from = (uint)group * slice;
-  inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
-  order += (size_t)network * rows + begin + from;
-  learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows,
-              sums + group * NUMBERS, errors + 2 * group, absolute, level);
-}
-
-/* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. factors: [4]. */
+/* Some UPDATE_VECTORS vectors of the weights of a network, after the batch's `slices` slices; a launch takes the
+   networks from `network` on, whose slices are side by side in `sums`. factors: [4]. */
 kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second,
                          global real *mean, global const real *sums, uint network, uint slices, uint count,
                          global const real *factors, int adam, real momentum, real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, momentum, beta1, beta2, epsilon};
-  const size_t at = (size_t)network * NUMBERS;
-  const size_t begin = group * UPDATE_VECTORS * LANES, end = min(begin + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
+  const size_t place = group / UPDATES, at = (network + place) * NUMBERS;
+  const size_t begin = group % UPDATES * UPDATE_VECTORS * LANES;
+  const size_t end = min(begin + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
   const real share = 1 / (real)count;
+  sums += place * slices * NUMBERS;
   ROLLED for (size_t i = begin; i < end; i += LANES) {
     vreal sum = LOAD(sums + i);
     for (uint s = 1; s < slices; ++s) sum += LOAD(sums + s * NUMBERS + i);

@@ -24,7 +24,7 @@ MUTANTS = [
     ("kernels/forward.cl", "largest < ALL_LANES(SMALLEST_STRESS);", "largest < ALL_LANES(0);", "networks",
      "ForwardTest.NeverAnswersNaN"),
     ("kernels/train_online.cl", "momentum, (real)1);", "momentum, momentum);", "networks", "TrainOnlineTest.Fp64.*/\"1\""),
-    ("kernels/train_batch.cl", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
+    ("kernels/shared/batch_rule.h", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
     ("kernels/transducer_chain.cl", "    y += offset;\n", "", "sets", "TransducerChannels.MatchesTwin"),
     ("kernels/transducer_chain.cl", "if (k > 0) y = PICK", "y = PICK", "sets", "TransducerChannels.SkinsMatchTwin"),
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),

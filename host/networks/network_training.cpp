@@ -21,9 +21,8 @@
 namespace tactel::host {
 
 Device training_device(const Device& device, const TrainingPlan& plan) {
-  const bool by_groups = !plan.batch && std::ranges::all_of(plan.topologies, [&](const nn::Topology& topology) {
-    return trained_by_groups(device, topology);
-  });
+  const bool by_groups = std::ranges::all_of(
+      plan.topologies, [&](const nn::Topology& topology) { return group_items(device, topology) > 1; });
   return by_groups ? device : device.for_training();
 }
 

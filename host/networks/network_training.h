@@ -22,8 +22,8 @@ struct TrainingRunOptions {
   LogSink log{};
 };
 
-/// Returns the device that trains a plan's networks for this one: itself where it is a processor, and where it trains
-/// all of them by groups of its own, pattern by pattern (trained_by_groups); else Device::for_training.
+/// Returns the device that trains a plan's networks for this one: itself where it is a processor, and where a
+/// work-group of its own holds each of them (group_items); else Device::for_training.
 Device training_device(const Device& device, const TrainingPlan& plan);
 
 template <class T>

@@ -13,6 +13,7 @@ namespace tactel::host {
 namespace {
 
 constexpr std::uint32_t launch_patterns = 1 << 16;  ///< that one launch of train_batch learns from, about: 10 ms
+constexpr std::size_t groups_at_once = 512;         ///< work-groups that fill a GPU
 
 int padded(int numbers, int lanes) { return (numbers + lanes - 1) / lanes * lanes; }
 
@@ -37,7 +38,8 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
       options_(options),
       inputs_(inputs),
       members_(members.begin(), members.end()),
-      lanes_(executor.device().lanes(precision_of<Real>)) {
+      lanes_(executor.device().lanes(precision_of<Real>)),
+      items_(group_items(executor.device(), topology)) {
   options.validate();
   if (inputs.inputs() != topology.inputs())
     throw ValueError("network", topology.text(),
@@ -46,13 +48,14 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
   const auto batch = static_cast<std::uint32_t>(std::min<std::int64_t>(options.batch, inputs.rows()));
   options_.batch = static_cast<int>(batch);
   const std::size_t many = members_.size(), slices = parts_of(batch, slice);
+  slices_ = items_ == 1 ? slices : std::max(slices, std::min(groups_at_once, many * slices));
   const std::size_t batches = std::max<std::uint32_t>(1, launch_patterns / batch);
   weights_ = Buffer<Real>(device, many * numbers());
   first_ = Buffer<Real>(device, many * numbers());
   second_ = Buffer<Real>(device, many * numbers());
   mean_ = Buffer<Real>(device, options.average > 0 ? many * numbers() : 1);
-  sums_ = Buffer<Real>(device, std::max(many, slices) * numbers());
-  const std::vector<Real> marks(std::max(many * batches, slices) * 2, unwritten);
+  sums_ = Buffer<Real>(device, std::max(many, slices_) * numbers());
+  const std::vector<Real> marks(std::max(many * batches, slices_) * 2, unwritten);
   errors_ = Buffer<Real>(device, std::span<const Real>(marks));
   factors_ = Buffer<Real>(device, batches * 4);
   order_ = Buffer<std::uint32_t>(device, many * inputs.rows());
@@ -61,12 +64,19 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
   set_of_ = Buffer<std::uint32_t>(device, std::span<const std::uint32_t>(set_of));
   for (std::size_t i = 0; i < many; ++i)
     set_state(i, nn::BatchState<Real>(nn::initial_weights(topology, members_[i].seed)));
-  prepare(Program(device, "train_batch.cl", network_defines(topology, lanes_, precision_of<Real>)));
+  prepare();
 }
 
 template <class Real>
-void TrainBatch<Real>::prepare(const Program& program) {
+void TrainBatch<Real>::prepare() {
+  Defines defines = network_defines(topology_, lanes_, precision_of<Real>);
+  const Program program(executor_->device(), "train_batch.cl", defines);
+  const std::uint32_t batch = static_cast<std::uint32_t>(options_.batch);
   const auto set_rule = [&](KernelArguments& kernel) {
+    kernel.set("weights", weights_);
+    kernel.set("sums", sums_);
+    kernel.set("network", std::uint32_t{0});
+    kernel.set("slices", std::uint32_t{1});
     kernel.set("adam", std::int32_t{options_.rule == nn::BatchRule::adam});
     kernel.set("momentum", static_cast<Real>(options_.momentum));
     kernel.set("beta1", static_cast<Real>(options_.beta1));
@@ -78,39 +88,30 @@ void TrainBatch<Real>::prepare(const Program& program) {
     kernel.set("factors", factors_);
   };
   const auto set_rows = [&](KernelArguments& kernel) {
+    set_rule(kernel);
     kernel.set("errors", errors_);
     kernel.set("inputs", inputs_.rows_buffer());
     kernel.set("set_of", set_of_);
     kernel.set("targets", inputs_.targets_buffer());
     kernel.set("order", order_);
     kernel.set("rows", std::uint32_t{inputs_.rows()});
+    kernel.set("slice", std::uint32_t{slice});
     kernel.set("begin", std::uint32_t{0});
+    kernel.set("batch", batch);
+    kernel.set("batches", std::uint32_t{1});
+    kernel.set("changes", std::int32_t{batch <= slice});
     kernel.set("absolute", std::int32_t{options_.loss == nn::Loss::absolute});
     kernel.set("level", static_cast<Real>(options_.level));
   };
-  const auto set_weights = [&](KernelArguments& kernel) {
-    kernel.set("weights", weights_);
-    kernel.set("sums", sums_);
-  };
-  const std::uint32_t batch = static_cast<std::uint32_t>(options_.batch);
-  if (batch <= slice) {
-    small_ = executor_->prepare(program, "train_batch", [&](KernelArguments& kernel) {
-      set_weights(kernel), set_rows(kernel), set_rule(kernel);
-      kernel.set("batch", batch);
-      kernel.set("batches", std::uint32_t{0});
-    });
-    return;
+  if (items_ == 1) {
+    learn_ = executor_->prepare(program, "train_batch", set_rows);
+  } else {
+    defines.emplace_back("GROUP_ITEMS", std::to_string(items_));
+    learn_ = executor_->prepare(Program(executor_->device(), "train_group_batch.cl", defines), "train_group_batch", set_rows);
   }
-  descent_ = executor_->prepare(program, "batch_descent", [&](KernelArguments& kernel) {
-    set_weights(kernel), set_rows(kernel);
-    kernel.set("network", std::uint32_t{0});
-    kernel.set("count", batch);
-    kernel.set("slice", std::uint32_t{slice});
-  });
+  if (batch <= slice) return;
   update_ = executor_->prepare(program, "batch_update", [&](KernelArguments& kernel) {
-    set_weights(kernel), set_rule(kernel);
-    kernel.set("network", std::uint32_t{0});
-    kernel.set("slices", std::uint32_t{1});
+    set_rule(kernel);
     kernel.set("count", batch);
   });
 }
@@ -165,9 +166,9 @@ bool TrainBatch<Real>::run_small_batches(const Progress& progress, std::vector<n
   for (std::uint32_t done = 0; done < all;) {
     const std::uint32_t batches = std::min(most, all - done);
     factors_.write(factors(done, batches));
-    small_.set("begin", std::uint32_t{done * batch});
-    small_.set("batches", std::uint32_t{batches});
-    executor_->run(small_, size(), {.progress = {}, .largest_chunk = 1});
+    learn_.set("begin", std::uint32_t{done * batch});
+    learn_.set("batches", std::uint32_t{batches});
+    executor_->run(learn_, size() * items_, {.progress = {}, .largest_chunk = 1});
     const std::span<Real> read(found.data(), 2 * batches * size());
     errors_.read(read);
     for (std::size_t i = 0; i < read.size(); i += 2)
@@ -186,32 +187,35 @@ bool TrainBatch<Real>::run_large_batches(const Progress& progress, std::vector<n
   for (std::uint32_t begin = 0, done = 0; begin < rows; begin += batch, ++done) {
     const std::uint32_t count = std::min(batch, rows - begin);
     factors_.write(factors(done, 1));
-    for (std::uint32_t network = 0; network < size(); ++network)
-      run_large_batch(network, begin, count, errors[network]);
+    run_large_batch(begin, count, errors);
     if (progress && !progress((std::size_t{begin} + count) * size(), std::size_t{rows} * size())) return false;
   }
   return true;
 }
 
 template <class Real>
-void TrainBatch<Real>::run_large_batch(std::uint32_t network, std::uint32_t begin, std::uint32_t count,
-                                       nn::CycleErrors& errors) {
-  const std::uint32_t slices = parts_of(count, slice);
-  descent_.bind([&](KernelArguments& kernel) {
-    kernel.set("network", network);
-    kernel.set("begin", begin);
-    kernel.set("count", count);
-  });
-  update_.bind([&](KernelArguments& kernel) {
-    kernel.set("network", network);
-    kernel.set("slices", slices);
-    kernel.set("count", count);
-  });
-  executor_->run(descent_, slices);
-  executor_->run(update_, parts_of(static_cast<std::uint32_t>(numbers() / lanes_), UPDATE_VECTORS));
-  std::vector<Real> found(2 * slices);
-  errors_.read(found);
-  for (std::size_t i = 0; i < found.size(); i += 2) add(errors, found[i], found[i + 1], executor_->device());
+void TrainBatch<Real>::run_large_batch(std::uint32_t begin, std::uint32_t count,
+                                       std::vector<nn::CycleErrors>& errors) {
+  const std::uint32_t slices = parts_of(count, slice), together = static_cast<std::uint32_t>(slices_ / slices);
+  for (std::uint32_t network = 0; network < size(); network += together) {
+    const std::size_t groups = std::min<std::size_t>(together, size() - network) * slices;
+    learn_.bind([&](KernelArguments& kernel) {
+      kernel.set("network", network);
+      kernel.set("slices", slices);
+      kernel.set("begin", begin);
+    });
+    update_.bind([&](KernelArguments& kernel) {
+      kernel.set("network", network);
+      kernel.set("slices", slices);
+      kernel.set("count", count);
+    });
+    executor_->run(learn_, groups * items_);
+    executor_->run(update_, groups / slices * parts_of(static_cast<std::uint32_t>(numbers() / lanes_), UPDATE_VECTORS));
+    std::vector<Real> found(2 * groups);
+    errors_.read(found);
+    for (std::size_t i = 0; i < found.size(); i += 2)
+      add(errors[network + i / 2 / slices], found[i], found[i + 1], executor_->device());
+  }
 }
 
 template <class Real>

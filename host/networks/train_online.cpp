@@ -44,17 +44,14 @@ std::size_t group_size(const nn::Topology& topology, std::size_t lanes, std::siz
   return size;
 }
 
-/// Items of a work-group that holds a network: one for each input and the bias, or for each hidden neuron.
-std::size_t group_items(const nn::Topology& topology) {
-  int hidden = 0;
-  for (int l = 0; l < topology.hidden_layers(); ++l) hidden += topology.fan_out(l);
-  return std::bit_ceil(static_cast<std::size_t>(std::max({hidden, topology.inputs() + 1, 32})));
-}
-
 }  // namespace
 
-bool trained_by_groups(const Device& device, const nn::Topology& topology) {
-  return device.info().type == DeviceType::gpu && group_items(topology) <= MOST_GROUP_ITEMS;
+// One for each input and the bias, or for each hidden neuron.
+std::size_t group_items(const Device& device, const nn::Topology& topology) {
+  int hidden = 0;
+  for (int l = 0; l < topology.hidden_layers(); ++l) hidden += topology.fan_out(l);
+  const auto items = std::bit_ceil(static_cast<std::size_t>(std::max({hidden, topology.inputs() + 1, 32})));
+  return device.info().type == DeviceType::gpu && items <= MOST_GROUP_ITEMS ? items : 1;
 }
 
 template <class Real>
@@ -66,7 +63,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
       inputs_(inputs),
       members_(members.begin(), members.end()),
       together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))),
-      group_items_(trained_by_groups(executor.device(), topology) ? group_items(topology) : 1) {
+      group_items_(group_items(executor.device(), topology)) {
   options.validate();
   if (topology.has_bound())
     throw ValueError("network", topology.text(), "a network with one output: a bound is learnt by mini-batches");

@@ -18,12 +18,12 @@ struct OnlineMember {
   std::uint32_t variant = 0;  ///< of the learning set
 };
 
-/// Whether a device is a GPU, on which kernels/train_group.cl trains networks of this topology: up to 127 inputs and
-/// 128 hidden neurons.
-bool trained_by_groups(const Device& device, const nn::Topology& topology);
+/// Returns the items of a work-group of a GPU that holds a network of this topology, of up to 127 inputs and 128 hidden
+/// neurons, in its registers; else 1.
+std::size_t group_items(const Device& device, const nn::Topology& topology);
 
 /// Launcher of kernels/train_online.cl: networks of one topology on a device, each trained pattern by pattern on
-/// a variant of one learning set; where they are trained_by_groups, of kernels/train_group.cl. The
+/// a variant of one learning set; where there are group_items, of kernels/train_group.cl. The
 /// training of a network depends on its own seed and set alone, not on the division into runs.
 template <class Real>
 class TrainOnline {

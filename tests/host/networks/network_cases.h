@@ -10,8 +10,14 @@ namespace tactel::tests {
 
 using host::executor;
 
+/// PoCL in the place of a GPU.
+inline host::Executor& gpu() {
+  static host::Executor posed(executor().device().as_gpu(), {.threads = 1});
+  return posed;
+}
+
 /// Rows that look like frames: a bump of normal stress of random place, width and height (compression: negative), and
-/// beneath it a shear bump that grows, skewed, with the slippage index. MPa.
+/// beneath it a shear bump that grows, skewed, with the slippage index. MPa. `inputs` is even.
 inline nn::FrameSet bumps(int rows, int inputs, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0.0f, 1.0f);

@@ -18,6 +18,7 @@ using nn::BatchOptions;
 using nn::BatchRule;
 using tactel::tests::bumps;
 using tactel::tests::executor;
+using tactel::tests::gpu;
 using tactel::tests::largest_difference;
 
 template <class Real>
@@ -27,10 +28,12 @@ struct BatchCase {
   BatchOptions options;
   nn::InputScaling scaling = nn::fit_scaling(nn::ScalingKind::set, set);
   std::vector<SetVariant> variants{{0, 0}, {0.1, 5}};
-  LearningInputs<Real> inputs{executor().device(), set, scaling, variants};
+  Executor* on = &executor();
+  LearningInputs<Real> inputs{on->device(), set, scaling, variants};
 
-  TrainBatch<Real> device(const std::vector<OnlineMember>& members, Executor& on = executor()) const {
-    return {on, topology, inputs, members, options};
+  TrainBatch<Real> device(const std::vector<OnlineMember>& members) const { return device(members, *on); }
+  TrainBatch<Real> device(const std::vector<OnlineMember>& members, Executor& other) const {
+    return {other, topology, inputs, members, options};
   }
   template <class Scalar>
   nn::BatchState<Scalar> reference(const OnlineMember& member, int epochs, nn::CycleErrors* last = nullptr) const {
@@ -46,9 +49,9 @@ struct BatchCase {
 };
 
 template <class Real>
-BatchCase<Real> make_case(const char* topology, int rows, const BatchOptions& options) {
+BatchCase<Real> make_case(const char* topology, int rows, const BatchOptions& options, Executor& on = executor()) {
   const nn::Topology network = nn::Topology::parse(topology);
-  return {network, bumps(rows, network.inputs(), 3), options};
+  return {.topology = network, .set = bumps(rows, network.inputs(), 3), .options = options, .on = &on};
 }
 
 struct Shape {
@@ -96,6 +99,40 @@ INSTANTIATE_TEST_SUITE_P(Shapes, TrainBatchTest,
 INSTANTIATE_TEST_SUITE_P(Nightly, TrainBatchTest,
                          ::testing::Values(Shape{"30-31-33-1", 70, 33}, Shape{"18-33-1", 70, 33},
                                            Shape{"18-33-3", 70, 33}, Shape{"18-33-1_leaky-relu", 300, 200}));
+
+class TrainGroupBatch : public ::testing::TestWithParam<const char*> {};
+
+// fp64: sums in another order, one epoch of 70 rows by 70 to 1 updates; a batch of all rows learns three. Of Adam the
+// moments after the first two updates of a weight may cancel: its rate is small.
+TEST_P(TrainGroupBatch, MatchesReference) {
+  const std::vector<OnlineMember> some{{7, 0}, {8, 1}, {9, 1}};
+  for (const BatchRule rule : {BatchRule::delta, BatchRule::adam})
+    for (const int batch : {1, 7, 64, 300}) {
+      const BatchOptions options{.rule = rule, .batch = batch, .rate = rule == BatchRule::adam ? 0.001 : 0.3};
+      const auto c = make_case<double>(GetParam(), batch == 300 ? 300 : 70, options, gpu());
+      ASSERT_GT(group_items(gpu().device(), c.topology), 1u);
+      TrainBatch<double> device = c.device(some);
+      const int epochs = batch == 300 ? 3 : 1;
+      std::vector<nn::CycleErrors> errors;
+      for (int epoch = 0; epoch < epochs; ++epoch) errors = *device.train_epoch();
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        nn::CycleErrors expected;
+        const nn::BatchState<double> reference = c.reference<double>(some[i], epochs, &expected);
+        const nn::BatchState<double> state = device.state(i);
+        const std::string what = std::string(nn::name(rule)) + ", batches of " + std::to_string(batch);
+        EXPECT_LT(largest_difference(state.weights.values, reference.weights.values), 1e-12) << what;
+        EXPECT_LT(largest_difference(state.first.values, reference.first.values), 1e-12) << what;
+        EXPECT_LT(largest_difference(state.second.values, reference.second.values), 1e-12) << what;
+        EXPECT_NEAR(errors[i].sse, expected.sse, 1e-12 * expected.sse) << what;
+        EXPECT_NEAR(errors[i].largest, expected.largest, 1e-12) << what;
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Topologies, TrainGroupBatch,
+                         ::testing::Values("6-5-1", "16-16-8-1", "2-1-1", "6-3-4-1", "6-4-3_leaky-relu", "6-4-5-3"));
+// PoCL takes up to a minute to compile one of the paper's for 64 or 128 items.
+INSTANTIATE_TEST_SUITE_P(Nightly, TrainGroupBatch, ::testing::Values("1", "2", "3", "4", "5", "6"));
 
 // The same with the absolute loss, a rate of every batch's own and the mean of the weights. No error comes so near to 0
 // that its sign is in doubt.
@@ -173,11 +210,11 @@ TEST(TrainBatchGradient, OfQuantilesMatchesFiniteDifferences) {
 }
 
 // Bits: free of the number of threads, of what else is trained, and of a break between epochs. Both kinds of batches.
-TEST(TrainBatchBits, DependOnTheNetworkAlone) {
+void expect_bits_of_the_network_alone(Executor& on) {
   for (const int batch : {50, 200}) {
     const BatchOptions options{.batch = batch, .rate = 0.01, .cosine = true, .planned_rows = 4 * 437, .average = 0.9};
-    const auto c = make_case<float>("16-16-8-1", 437, options);
-    Executor single(executor().device(), {.threads = 1});
+    const auto c = make_case<float>("16-16-8-1", 437, options, on);
+    Executor single(on.device(), {.threads = 1});
     TrainBatch<float> together = c.device({{1, 0}, {2, 1}, {3, 0}}), alone = c.device({{2, 1}}, single);
     for (int epoch = 0; epoch < 4; ++epoch) together.train_epoch();
     const std::vector<float> initial = alone.state(0).weights.values;
@@ -191,6 +228,36 @@ TEST(TrainBatchBits, DependOnTheNetworkAlone) {
     EXPECT_EQ(resumed.state(0).mean.values, together.state(1).mean.values) << batch;
     EXPECT_EQ(resumed.state(0).updates, together.state(1).updates) << batch;
   }
+}
+
+TEST(TrainBatchBits, DependOnTheNetworkAlone) { expect_bits_of_the_network_alone(executor()); }
+TEST(TrainBatchBits, DependOnTheNetworkAloneOnAGpu) { expect_bits_of_the_network_alone(gpu()); }
+
+// Many networks whose slices share launches, the last of which is not full: each as alone.
+TEST(TrainBatchBits, OfManyLargeBatchesOnAGpuDependOnTheNetworkAlone) {
+  const auto c = make_case<float>("2-1-1", 700, {.batch = 650}, gpu());
+  std::vector<OnlineMember> many;
+  for (std::uint32_t i = 0; i < 100; ++i) many.push_back({i, i % 2});
+  TrainBatch<float> together = c.device(many);
+  const std::vector<nn::CycleErrors> errors = *together.train_epoch();
+  for (const std::size_t i : {0u, 84u, 85u, 99u}) {
+    TrainBatch<float> alone = c.device({many[i]});
+    EXPECT_EQ(errors[i].sse, alone.train_epoch()->front().sse) << i;
+    EXPECT_EQ(together.state(i).weights.values, alone.state(0).weights.values) << i;
+  }
+}
+
+// Two devices: PoCL's other driver has a runtime of its own.
+TEST(TrainBatchBits, AreThoseOfAnotherDevice) {
+  Executor other(device("pthread").as_gpu(), {.threads = 1});
+  std::vector<std::vector<float>> found;
+  for (Executor* on : {&gpu(), &other}) {
+    const auto c = make_case<float>("16-16-8-1", 100, {.batch = 30}, *on);
+    TrainBatch<float> device = c.device({{7, 0}, {8, 1}});
+    for (int epoch = 0; epoch < 3; ++epoch) device.train_epoch();
+    found.push_back(device.state(1).weights.values);
+  }
+  EXPECT_EQ(found[0], found[1]);
 }
 
 TEST(TrainBatchCancel, LeavesTheNetworksAsTheyWere) {
