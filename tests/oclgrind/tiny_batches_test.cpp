@@ -398,6 +398,11 @@ TEST_P(TinyBatches, TrainBatchByAdam) {
   expect_batches<double>(executor, nn::BatchRule::adam);
 }
 
+TEST_P(TinyBatches, TrainGroupBatch) {
+  Executor gpu(executor.device().as_gpu(), {.threads = 1});
+  expect_batches<float>(gpu, nn::BatchRule::adam);
+}
+
 /// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
 TEST_P(TinyBatches, TransducerChain) {
   // Clang inlines functions that return vectors of 16 with `llvm.experimental.noalias.scope.decl`, which oclgrind 21.10

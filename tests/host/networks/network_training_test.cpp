@@ -24,6 +24,7 @@ using namespace tactel;
 using namespace tactel::host;
 using tactel::tests::bumps;
 using tactel::tests::executor;
+using tactel::tests::gpu;
 namespace fs = std::filesystem;
 
 TrainingPlan small_plan() {
@@ -138,23 +139,49 @@ TEST_F(NetworkTrainingTest, MiniBatchesResumeToTheSameBits) {
   plan.options.cycle_limit = 60;
   plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
   plan.options.stop_error = stop_of_half(plan);
-  NetworkTraining<float> whole(executor(), set_, plan), stopped(executor(), set_, plan),
-      resumed(executor(), set_, plan);
-  EXPECT_TRUE(whole.run());
-  int calls = 0;  // one a round: some networks have stopped by then, others have epochs left
-  const auto some = [&calls](std::size_t, std::size_t) { return ++calls < 58; };
-  EXPECT_FALSE(stopped.run({.progress = some, .checkpoint = checkpoint()}));
-  EXPECT_TRUE(resumed.load(checkpoint()));
-  std::set<nn::TrainStatus> seen;
-  for (const TrainedNetwork& network : resumed.networks()) seen.insert(network.status);
-  EXPECT_EQ(seen, (std::set{nn::TrainStatus::running, nn::TrainStatus::learnt}));
-  EXPECT_TRUE(resumed.run());
-  EXPECT_TRUE(stopped.run());
-  expect_same(resumed, whole);
-  expect_same(stopped, whole);
-  EXPECT_EQ(resumed.patterns(), whole.patterns());
+  for (Executor* on : {&executor(), &gpu()}) {
+    NetworkTraining<float> whole(*on, set_, plan), stopped(*on, set_, plan), resumed(*on, set_, plan);
+    EXPECT_TRUE(whole.run());
+    int calls = 0;  // one a round: some networks have stopped by then, others have epochs left
+    const auto some = [&calls](std::size_t, std::size_t) { return ++calls < 58; };
+    EXPECT_FALSE(stopped.run({.progress = some, .checkpoint = checkpoint()}));
+    EXPECT_TRUE(resumed.load(checkpoint()));
+    std::set<nn::TrainStatus> seen;
+    for (const TrainedNetwork& network : resumed.networks()) seen.insert(network.status);
+    EXPECT_EQ(seen, (std::set{nn::TrainStatus::running, nn::TrainStatus::learnt}));
+    EXPECT_TRUE(resumed.run());
+    EXPECT_TRUE(stopped.run());
+    expect_same(resumed, whole);
+    expect_same(stopped, whole);
+    EXPECT_EQ(resumed.patterns(), whole.patterns());
+  }
   plan.batch->rate = 0.01;
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
+}
+
+// What a process that died has left: its last checkpoint, of a round before.
+TEST_F(NetworkTrainingTest, TakesUpFromTheCheckpointOfOneThatDiedOnAGpu) {
+  TrainingPlan online = small_plan(), large = small_plan();
+  online.options.cycle_limit = large.options.cycle_limit = 30;
+  large.batch = nn::BatchOptions{.batch = 16, .average = 0.9};
+  set_ = bumps(300, 16, 3);
+  TrainingPlan small = large;
+  large.batch->batch = 200;
+  for (const TrainingPlan& plan : {online, small, large}) {
+    NetworkTraining<float> whole(gpu(), set_, plan), died(gpu(), set_, plan), resumed(gpu(), set_, plan);
+    EXPECT_TRUE(whole.run());
+    int calls = 0;
+    const auto die = [&calls](std::size_t, std::size_t) -> bool {
+      return ++calls < 5 ? true : throw std::runtime_error("died");
+    };
+    EXPECT_THROW(died.run({.progress = die, .checkpoint = checkpoint(), .checkpoint_seconds = 0}), std::runtime_error);
+    ASSERT_TRUE(resumed.load(checkpoint()));
+    EXPECT_GT(resumed.networks()[0].cycles, 0u);
+    EXPECT_TRUE(resumed.networks()[0].running());
+    EXPECT_TRUE(resumed.run());
+    expect_same(resumed, whole);
+    fs::remove(checkpoint());
+  }
 }
 
 /// Rows whose S is that of the learning set turned round, 1 - S: what helps there is a fault here.
