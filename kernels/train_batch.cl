@@ -28,7 +28,7 @@
 #define ROWL (VECTORS_OF(LAST + 1) * LANES)    /* of last hidden layer outputs */
 #define LAYER2 (HIDDEN1 * ROW0)                /* where layers begin */
 #define LAYER3 (LAYER2 + (HIDDEN2 ? HIDDEN2 * ROW1 : 0))
-#define NUMBERS (LAYER3 + OUTPUTS * ROWL)        /* in a network */
+#define NUMBERS (LAYER3 + OUTPUTS * ROWL)                                 /* in a network */
 #define UPDATES ((NUMBERS / LANES + UPDATE_VECTORS - 1) / UPDATE_VECTORS) /* work-items of a network's batch_update */
 #define OUTER_ROWS (sizeof(vreal) == 64 ? 7 : 3) /* rows and vectors of an outer product that are summed together */
 #define OUTER_VECTORS 3
@@ -292,16 +292,17 @@ kernel void train_batch(uint first_group, global real *weights, global real *fir
 /* Some UPDATE_VECTORS vectors of the weights of a network, after the batch's `slices` slices; a launch takes the
    networks from `network` on, whose slices are side by side in `sums`. factors: [4]. */
 kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second,
-                         global real *mean, global const real *sums, uint network, uint slices, uint count,
-                         global const real *factors, int adam, real momentum, real beta1, real beta2, real epsilon) {
+                         global real *mean, global const real *sums, uint network, uint slices, uint rows, uint begin,
+                         uint batch, global const real *factors, int adam, real momentum, real beta1, real beta2,
+                         real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, momentum, beta1, beta2, epsilon};
   const size_t place = group / UPDATES, at = (network + place) * NUMBERS;
-  const size_t begin = group % UPDATES * UPDATE_VECTORS * LANES;
-  const size_t end = min(begin + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
-  const real share = 1 / (real)count;
+  const size_t start = group % UPDATES * UPDATE_VECTORS * LANES;
+  const size_t end = min(start + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
+  const real share = 1 / (real)min(batch, rows - begin);
   sums += place * slices * NUMBERS;
-  ROLLED for (size_t i = begin; i < end; i += LANES) {
+  ROLLED for (size_t i = start; i < end; i += LANES) {
     vreal sum = LOAD(sums + i);
     for (uint s = 1; s < slices; ++s) sum += LOAD(sums + s * NUMBERS + i);
     update_vector(&rule, sum * share, weights + at + i, first + at + i, second + at + i, mean + at + i, factors);

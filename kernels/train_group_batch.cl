@@ -32,7 +32,8 @@ WHOLE_GROUP kernel void train_group_batch(uint first_group, global real *weights
     take_weights(&item, l, weights + at, 0);
     BARRIER(&values, ALL_MEMORY);
     real sse, largest;
-    learn_rows(&how, &item, &values, l, inputs, targets, order + begin + from, min(slice, count - from), &sse, &largest);
+    learn_rows(&how, &item, &values, l, inputs, targets, order + begin + from, min(slice, count - from), &sse,
+               &largest);
     if (l == 0) errors[2 * b] = sse, errors[2 * b + 1] = largest;
     keep_weights(&item, l, 0, sums);
     if (!changes) return;

@@ -70,13 +70,16 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
 template <class Real>
 void TrainBatch<Real>::prepare() {
   Defines defines = network_defines(topology_, lanes_, precision_of<Real>);
-  const Program program(executor_->device(), "train_batch.cl", defines);
+  defines.emplace_back("GROUP_ITEMS", std::to_string(items_));
   const std::uint32_t batch = static_cast<std::uint32_t>(options_.batch);
   const auto set_rule = [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);
     kernel.set("sums", sums_);
     kernel.set("network", std::uint32_t{0});
     kernel.set("slices", std::uint32_t{1});
+    kernel.set("rows", std::uint32_t{inputs_.rows()});
+    kernel.set("begin", std::uint32_t{0});
+    kernel.set("batch", batch);
     kernel.set("adam", std::int32_t{options_.rule == nn::BatchRule::adam});
     kernel.set("momentum", static_cast<Real>(options_.momentum));
     kernel.set("beta1", static_cast<Real>(options_.beta1));
@@ -94,26 +97,16 @@ void TrainBatch<Real>::prepare() {
     kernel.set("set_of", set_of_);
     kernel.set("targets", inputs_.targets_buffer());
     kernel.set("order", order_);
-    kernel.set("rows", std::uint32_t{inputs_.rows()});
     kernel.set("slice", std::uint32_t{slice});
-    kernel.set("begin", std::uint32_t{0});
-    kernel.set("batch", batch);
     kernel.set("batches", std::uint32_t{1});
     kernel.set("changes", std::int32_t{batch <= slice});
     kernel.set("absolute", std::int32_t{options_.loss == nn::Loss::absolute});
     kernel.set("level", static_cast<Real>(options_.level));
   };
-  if (items_ == 1) {
-    learn_ = executor_->prepare(program, "train_batch", set_rows);
-  } else {
-    defines.emplace_back("GROUP_ITEMS", std::to_string(items_));
-    learn_ = executor_->prepare(Program(executor_->device(), "train_group_batch.cl", defines), "train_group_batch", set_rows);
-  }
-  if (batch <= slice) return;
-  update_ = executor_->prepare(program, "batch_update", [&](KernelArguments& kernel) {
-    set_rule(kernel);
-    kernel.set("count", batch);
-  });
+  const Device& device = executor_->device();
+  const std::string kernel = items_ == 1 ? "train_batch" : "train_group_batch";
+  learn_ = executor_->prepare(Program(device, kernel + ".cl", defines), kernel, set_rows);
+  if (batch > slice) update_ = executor_->prepare(Program(device, "train_batch.cl", defines), "batch_update", set_rule);
 }
 
 template <class Real>
@@ -184,38 +177,29 @@ bool TrainBatch<Real>::run_small_batches(const Progress& progress, std::vector<n
 template <class Real>
 bool TrainBatch<Real>::run_large_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors) {
   const std::uint32_t rows = inputs_.rows(), batch = static_cast<std::uint32_t>(options_.batch);
+  const std::uint32_t updates = parts_of(static_cast<std::uint32_t>(numbers() / lanes_), UPDATE_VECTORS);
   for (std::uint32_t begin = 0, done = 0; begin < rows; begin += batch, ++done) {
-    const std::uint32_t count = std::min(batch, rows - begin);
+    const std::uint32_t count = std::min(batch, rows - begin), slices = parts_of(count, slice);
+    const auto together = static_cast<std::uint32_t>(slices_ / slices);
     factors_.write(factors(done, 1));
-    run_large_batch(begin, count, errors);
+    for (std::uint32_t network = 0; network < size(); network += together) {
+      for (Launch* launch : {&learn_, &update_})
+        launch->bind([&](KernelArguments& kernel) {
+          kernel.set("network", network);
+          kernel.set("slices", slices);
+          kernel.set("begin", begin);
+        });
+      const std::size_t networks = std::min<std::size_t>(together, size() - network);
+      executor_->run(learn_, networks * slices * items_);
+      executor_->run(update_, networks * updates);
+      std::vector<Real> found(2 * networks * slices);
+      errors_.read(found);
+      for (std::size_t i = 0; i < found.size(); i += 2)
+        add(errors[network + i / 2 / slices], found[i], found[i + 1], executor_->device());
+    }
     if (progress && !progress((std::size_t{begin} + count) * size(), std::size_t{rows} * size())) return false;
   }
   return true;
-}
-
-template <class Real>
-void TrainBatch<Real>::run_large_batch(std::uint32_t begin, std::uint32_t count,
-                                       std::vector<nn::CycleErrors>& errors) {
-  const std::uint32_t slices = parts_of(count, slice), together = static_cast<std::uint32_t>(slices_ / slices);
-  for (std::uint32_t network = 0; network < size(); network += together) {
-    const std::size_t groups = std::min<std::size_t>(together, size() - network) * slices;
-    learn_.bind([&](KernelArguments& kernel) {
-      kernel.set("network", network);
-      kernel.set("slices", slices);
-      kernel.set("begin", begin);
-    });
-    update_.bind([&](KernelArguments& kernel) {
-      kernel.set("network", network);
-      kernel.set("slices", slices);
-      kernel.set("count", count);
-    });
-    executor_->run(learn_, groups * items_);
-    executor_->run(update_, groups / slices * parts_of(static_cast<std::uint32_t>(numbers() / lanes_), UPDATE_VECTORS));
-    std::vector<Real> found(2 * groups);
-    errors_.read(found);
-    for (std::size_t i = 0; i < found.size(); i += 2)
-      add(errors[network + i / 2 / slices], found[i], found[i + 1], executor_->device());
-  }
 }
 
 template <class Real>

@@ -15,8 +15,8 @@ namespace tactel::host {
 /// Launcher of kernels/train_batch.cl: networks of one topology on a device, trained on mini-batches of variants
 /// of one learning set. Batches of up to one slice run in one kernel, a work-item a network. Larger batches are
 /// split into slices, network by network. Where there are group_items, kernels/train_group_batch.cl has a work-group a
-/// network or slice, and slices of many networks go side by side. The training of a network depends on its seed, set and
-/// options, not on the number of threads.
+/// network or slice, and slices of many networks go side by side. The training of a network depends on its seed, set
+/// and options, not on the number of threads.
 template <class Real>
 class TrainBatch {
  public:
@@ -43,7 +43,6 @@ class TrainBatch {
   std::vector<Real> factors(std::uint32_t first_batch, std::uint32_t batches) const;
   bool run_small_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors);
   bool run_large_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors);
-  void run_large_batch(std::uint32_t begin, std::uint32_t count, std::vector<nn::CycleErrors>& errors);
   void unpack(const Buffer<Real>& from, std::size_t network, nn::Weights<Real>& to) const;
   void pack(const nn::Weights<Real>& from, std::size_t network, Buffer<Real>& to);
 
@@ -53,8 +52,8 @@ class TrainBatch {
   LearningInputs<Real> inputs_;
   std::vector<OnlineMember> members_;
   int lanes_;
-  std::size_t items_;       ///< of a work-group; 1 where there is none
-  std::size_t slices_ = 0;  ///< of large batches, at once
+  std::size_t items_;                      ///< of a work-group; 1 where there is none
+  std::size_t slices_ = 0;                 ///< of large batches, at once
   std::uint64_t updates_ = 0, shown_ = 0;  ///< until this epoch; rows
   std::uint32_t epoch_ = 0;
   Buffer<Real> weights_, first_, second_;  ///< [networks][numbers]

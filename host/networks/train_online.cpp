@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "fem/numbers/value_error.h"
+#include "host/device/unwritten.h"
 #include "host/networks/forward.h"
 #include "kernels/shared/network_work.h"
 #include "kernels/shared/random_streams.h"
@@ -201,6 +202,7 @@ nn::OnlineState<Real> TrainOnline<Real>::state(std::size_t network) const {
   const std::size_t count = topology_.weight_count();
   weights_.read(state.weights.values, 2 * network * count);
   weights_.read(state.step.values, (2 * network + 1) * count);
+  if (last.cycle > 0 && (state.weights.layer(0).array() == 0).all()) refuse_unwritten(executor_->device());
   state.cycle = last.cycle;
   state.status = static_cast<nn::TrainStatus>(last.status);
   return state;

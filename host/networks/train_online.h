@@ -47,6 +47,7 @@ class TrainOnline {
   /// before that run.
   std::vector<nn::CycleErrors> curve(std::size_t network, const OnlineReport& from) const;
 
+  /// Throws DeviceError where a driver has left the weights unwritten, as Mesa's rusticl does.
   nn::OnlineState<Real> state(std::size_t network) const;
   void set_state(std::size_t network, const nn::OnlineState<Real>& state);
 

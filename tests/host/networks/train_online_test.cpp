@@ -278,6 +278,12 @@ TEST(TrainOnlineRefuses, WhatDoesNotFit) {
   const std::vector<OnlineMember> one{{1, 0}};
   EXPECT_THROW(TrainOnline<float>(executor(), nn::Topology::paper(1), c.inputs, one), ValueError);
   EXPECT_THROW(TrainOnline<float>(executor(), c.topology, c.inputs, one, {.momentum = 1.0}), ValueError);
+  TrainOnline<float> unwritten = c.device(one);  // what rusticl of Mesa 22.3 leaves
+  nn::OnlineState<float> none = unwritten.state(0);
+  none.cycle = 1;
+  std::ranges::fill(none.weights.values, 0.0f);
+  unwritten.set_state(0, none);
+  EXPECT_THROW(unwritten.state(0), DeviceError);
   nn::FrameSet bad = c.set;
   bad.frames(2, 3) = INFINITY;
   EXPECT_THROW(LearningInputs<float>(executor().device(), bad, c.scaling, c.variants), ValueError);
