@@ -190,8 +190,8 @@ bool TrainBatch<Real>::run_large_batches(const Progress& progress, std::vector<n
           kernel.set("begin", begin);
         });
       const std::size_t networks = std::min<std::size_t>(together, size() - network);
-      executor_->run(learn_, networks * slices * items_);
-      executor_->run(update_, networks * updates);
+      executor_->run(learn_, networks * slices * items_, {.progress = {}, .equal_groups = true});
+      executor_->run(update_, networks * updates, {.progress = {}, .equal_groups = true});
       std::vector<Real> found(2 * networks * slices);
       errors_.read(found);
       for (std::size_t i = 0; i < found.size(); i += 2)
