@@ -24,8 +24,6 @@ std::unique_ptr<const WireFormat> anyskin_format(int magnetometers = 5);
 
 /// CITEC glove on Teensy, AGNI serial protocol. Values: 64 readings by their id.
 std::unique_ptr<const WireFormat> agni_format();
-/// Bytes that start the device.
-inline constexpr std::uint8_t agni_start[] = {0xF0, 0xC4, 0x00, 0xF1, 0xC5};
 
 /// PaXini PX-6AX board with `sensors` connected sensors of `points` points each. Values: for each point Fx, Fy,
 /// Fz as sent. The preceding six bytes of total force are omitted.

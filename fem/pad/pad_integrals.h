@@ -44,7 +44,6 @@ namespace tactel::fem {
 
 /// The nine integrals; the first four belong to displacements.
 enum PadIntegral { pad_z0, pad_A, pad_B, pad_Z, pad_b0, pad_bA, pad_bB, pad_bxz, pad_bzx, pad_integrals };
-inline constexpr int pad_displacements = 4;
 
 using PadValues = Eigen::Array<double, pad_integrals, 1>;
 

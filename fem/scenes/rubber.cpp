@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/scenes/rubber.h"
 
+#include <tactel/pad_scene.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "fem/numbers/number_text.h"
 #include "fem/numbers/value_error.h"
+#include "fem/scenes/sensor.h"
 
 namespace tactel::fem {
 namespace {
@@ -16,6 +19,23 @@ double sum_of(const std::vector<RubberLayer>& layers) {
   double sum = 0;
   for (const RubberLayer& layer : layers) sum += layer.thickness;
   return sum;
+}
+
+/// Puts tactels at a height over the thickness, below 1: between two layers, of which one may be a part of another.
+void put_tactels(Rubber& rubber, double height) {
+  constexpr double least = 1e-9;
+  if (height <= least) return;
+  if (rubber.layers.empty()) rubber.layers = {{1, 1, rubber.poisson}};
+  double from = 0;
+  for (auto layer = rubber.layers.begin(); height > from + least; ++layer, ++rubber.below) {
+    const double to = from + layer->thickness;
+    if (height < to - least) {
+      RubberLayer lower = *layer;
+      lower.thickness = height - from, layer->thickness = to - height;
+      layer = rubber.layers.insert(layer, lower);
+    }
+    from += layer->thickness;
+  }
 }
 
 }  // namespace
@@ -34,26 +54,18 @@ Rubber rubber(const std::vector<RubberLayer>& layers, double thickness, double y
   return all;
 }
 
+Rubber rubber(const Sensor& line) { return rubber(line.layers, line.thickness, line.young, line.poisson); }
+
+Rubber rubber(const Pad& pad) {
+  Rubber all = rubber(pad.layers, pad.thickness, pad.young, pad.poisson);
+  put_tactels(all, pad.depth / pad.thickness);
+  return all;
+}
+
 double height_above(std::span<const RubberLayer> layers, int below) {
   double all = 0, above = 0;
   for (const RubberLayer& layer : layers) all += layer.thickness, above += below > 0 ? 0 : layer.thickness, --below;
   return above / all;
-}
-
-void put_tactels(Rubber& rubber, double height) {
-  constexpr double least = 1e-9;
-  if (height <= least) return;
-  if (rubber.layers.empty()) rubber.layers = {{1, 1, rubber.poisson}};
-  double from = 0;
-  for (auto layer = rubber.layers.begin(); height > from + least; ++layer, ++rubber.below) {
-    const double to = from + layer->thickness;
-    if (height < to - least) {
-      RubberLayer lower = *layer;
-      lower.thickness = height - from, layer->thickness = to - height;
-      layer = rubber.layers.insert(layer, lower);
-    }
-    from += layer->thickness;
-  }
 }
 
 void check_layers(const std::vector<RubberLayer>& layers, double thickness, double young, double poisson) {

@@ -5,7 +5,13 @@
 #include <span>
 #include <vector>
 
+namespace tactel {
+struct Pad;
+}
+
 namespace tactel::fem {
+
+struct Sensor;
 
 /// What the rubber of a sensor is made of, by its thickness and the Young's modulus of its surface.
 struct Rubber {
@@ -17,14 +23,8 @@ struct Rubber {
 
 /// Returns what tables of a line or pad depend on; neighbours of one rubber are one layer.
 Rubber rubber(const std::vector<RubberLayer>& layers, double thickness, double young, double poisson);
-/// Puts tactels at a height over the thickness, below 1: between two layers, of which one may be a part of another.
-void put_tactels(Rubber& rubber, double height);
-template <class Sensor>
-Rubber rubber(const Sensor& sensor) {
-  Rubber all = rubber(sensor.layers, sensor.thickness, sensor.young, sensor.poisson);
-  if constexpr (requires { sensor.depth; }) put_tactels(all, sensor.depth / sensor.thickness);
-  return all;
-}
+Rubber rubber(const Sensor& line);
+Rubber rubber(const Pad& pad);
 
 /// Returns how far the surface is above the first layers, over the sum of all.
 double height_above(std::span<const RubberLayer> layers, int below);

@@ -33,6 +33,8 @@ inline int inputs_of(const fem::PadSensor& sensor) { return sensor.axes * sensor
 /// Returns the markers of a scene, of pads.
 inline std::optional<Markers> markers_of(const fem::Scene&) { return {}; }
 inline std::optional<Markers> markers_of(const fem::PadScene& scene) { return scene.markers; }
+inline std::optional<Camera> camera_of(const fem::Scene&) { return {}; }
+inline std::optional<Camera> camera_of(const fem::PadScene& scene) { return scene.camera; }
 
 /// What sweeps of lines and of pads have in common.
 class ContactSource {
@@ -124,9 +126,7 @@ class SourceOf : public ContactSource {
   }
   /// Returns the camera that sees them, of pads.
   std::optional<Camera> camera() const {
-    if constexpr (!of_lines)
-      if (!indenter_.alternatives.empty()) return indenter_.alternatives.front().scene.camera;
-    return {};
+    return indenter_.alternatives.empty() ? std::nullopt : camera_of(indenter_.alternatives.front().scene);
   }
   /// Returns whether contacts are grips that hold an object, [load.hold]. Of pads.
   bool holds() const { return !load_.alternatives.empty() && load_.alternatives.front().hold.has_value(); }

@@ -302,7 +302,7 @@ std::size_t survey(ContactSet& set, const Steps<Contacts>& steps, Contact<Contac
   set.too_deep += too_deep(contact.sensor.thickness, deepest);
   set.far_slip += far;
   if constexpr (of_paths<Contacts>) contact.outside = outside_model(contact.sensor, contact.at, reach, element);
-  if constexpr (std::is_same_v<Contacts, HeldContacts>) set.unsolved += unsolved;
+  if (std::is_same_v<Contacts, HeldContacts>) set.unsolved += unsolved;
   set.near_edge += (contact.outside & outside_edges) != 0;
   set.unseen += (contact.outside & outside_tactels) != 0;
   set.wide_cells += (contact.outside & outside_cells) != 0;
@@ -621,7 +621,7 @@ template <class Scene>
 SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
   if constexpr (!SourceOf<Scene>::of_lines)
-    columns.axes = source.sensors().front().axes,
+    columns.axes = source.sensors().front().axes, columns.tactel_y = source.tactel_y(),
     columns.marker_numbers = 3 * static_cast<int>(fem::marker_count(source.markers())),
     columns.pixel_numbers = source.camera() ? columns.marker_numbers / 3 * 2 : 0;
   const auto parameters = source.parameters();
@@ -630,7 +630,6 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
     columns.parameter_units.push_back(column.unit);
   }
   columns.tactel_x = source.tactel_x();
-  if constexpr (!SourceOf<Scene>::of_lines) columns.tactel_y = source.tactel_y();
   if (!source.has_rate()) columns.left_out = {"net_slip", "net_turn", "slid_ahead"};
   return columns;
 }

@@ -116,7 +116,8 @@ def smaller_examples(source, to):
 def prepare(folder, options):
     smaller_examples(options.root / "examples", folder / "examples")
     (folder / "build").symlink_to(options.build)
-    shutil.copytree(options.root / "docs", folder / "docs")  # its scripts draw beside themselves
+    for drawn in ("docs", "studies"):  # scripts draw beside themselves
+        shutil.copytree(options.root / drawn, folder / drawn)
     (folder / "tests").symlink_to(options.root / "tests")
     (folder / "bin").mkdir()
     (folder / "bin/tactel").symlink_to(options.build / "tactel")

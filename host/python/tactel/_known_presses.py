@@ -264,7 +264,7 @@ def answers(scenes, rung, names):
 
 def amplifier_response(timing, time_constant):
     """What charge amplifiers make of the stresses at load steps, [steps, steps]: readings = response @ stresses. v' = x' - v / RC for
-    ramps from begin to end, read at time (hw/charge_amplifier.h)."""
+    ramps from begin to end, read at time (nn/charge_amplifier.h)."""
     begin, end, time = (np.asarray(t, float) for t in timing)
     motion = (end - begin) / time_constant
     since = (time[:, None] - end) / time_constant
