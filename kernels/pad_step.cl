@@ -351,7 +351,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   remember(&c, &s);
   store(input, heights, soft, &c, &s, &search, by_wrench, missing, softer, state);
 #if CREEP_TERMS
-  end_creep(&influence, creep, &c, &s, state);
+  end_creep(&influence, creep, &splitting, &c, &s, state);
 #endif
 }
 

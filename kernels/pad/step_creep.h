@@ -4,6 +4,7 @@
 #ifndef TACTEL_PAD_STEP_CREEP_H
 #define TACTEL_PAD_STEP_CREEP_H
 #include "pad/nearby.h"
+#include "pad/splitting.h"
 
 /* MARKED 1: it has markers. */
 #ifndef MARKED
@@ -15,71 +16,65 @@
 #define STATE_ROWS (CREEP_TERMS == 0 ? CREEP_AT : STRAINING_AT + (MARKED ? 3 * COUNT : 0))
 
 #if CREEP_TERMS
-/* What the rubber of a cell has crept to, x, y, z, and its tractions: `own` is its state. */
-static inline void crept_at(global const real *creep, global const vreal *own, vreal m[CREEP_FIELDS]) {
-  global const vreal *w = own + CREEP_AT;
-  EACH(k, CREEP_FIELDS) { m[k] = 0; }
+/* What number k of a cell has crept to, of x, y, z, and its tractions: `w` is its memory. */
+static inline vreal crept_to(global const real *creep, global const vreal *w, int k) {
+  vreal m = 0;
   EACH(t, CREEP_TERMS) {
     global const real *number = creep + 1 + CREEP_NUMBERS * t;
-    EACH(k, CREEP_FIELDS) {
-      const vreal v = w[(CREEP_FIELDS * (1 + t) + k) * COUNT];
-      m[k] = fma(ALL_LANES(number[CREEP_C]), v + (number[CREEP_LAST] * w[k * COUNT] - number[CREEP_FADES] * v), m[k]);
+    const vreal v = w[(CREEP_FIELDS * (1 + t) + k) * COUNT];
+    m = fma(ALL_LANES(number[CREEP_C]), v + (number[CREEP_LAST] * w[k * COUNT] - number[CREEP_FADES] * v), m);
+  }
+  return m;
+}
+
+/* `crept` takes the heights of the step. Field by field: few streams at once. */
+OUTLINE void begin_creep(const Influence *influence, global const real *creep, global const vreal *heights,
+                         global vreal *crept, global vreal *state) {
+  ROLLED for (int v = 0; v < VECTORS; ++v, state += STATE_ROWS, heights += COUNT, crept += COUNT) {
+    ROLLED for (int i = 0; i < 2 * COUNT; ++i) state[STEP_GX * COUNT + i] -=
+        crept_to(creep, state + CREEP_AT + i % COUNT, i / COUNT);
+    ROLLED for (int i = 0; i < COUNT; ++i) {
+      global const vreal *w = state + CREEP_AT + i;
+      const vreal h = heights[i];
+      crept[i] = PICK(h >= PAD_OPEN, h, h - crept_to(creep, w, 2) * influence->root_zz);
+      state[STEP_UZ * COUNT + i] = creep[0] * w[2 * COUNT];
     }
   }
 }
 
-/* `crept_heights` takes the heights of the step. */
-OUTLINE void begin_creep(const Influence *influence, global const real *creep, global const vreal *heights,
-                         global vreal *crept_heights, global vreal *state) {
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    global vreal *own = state + v * STATE_ROWS + i;
-    vreal m[CREEP_FIELDS];
-    crept_at(creep, own, m);
-    const vreal h = heights[v * COUNT + i];
-    crept_heights[v * COUNT + i] = PICK(h >= PAD_OPEN, h, h - m[2] * influence->root_zz);
-    own[STEP_GX * COUNT] -= m[0];
-    own[STEP_GY * COUNT] -= m[1];
-    own[STEP_UZ * COUNT] = creep[0] * own[CREEP_AT + 2 * COUNT];
-  }
-}
-
-/* What all cells remember, after the step is stored. Where cells near the indenter are, it has summed. A contact that is
-   not valid stays under its tractions. */
-OUTLINE void end_creep(const Influence *influence, global const real *creep, Cells *c, const State *s,
-                       global vreal *state) {
+/* What all cells remember, after the step is stored. Where cells near any indenter are, it has summed, but those that
+   split contacts have elsewhere. A contact that is not valid stays under its tractions. */
+OUTLINE void end_creep(const Influence *influence, global const real *creep, const Split *split, Cells *c,
+                       const State *s, global vreal *state) {
   const real softer = creep[0], stiffer = 1 / softer;
   list_pressing(c);
   ROLLED for (int i = 0; i < COUNT; ++i) {
+    const vint known = any_of(&c->near[i]) ? ~(vint)0 : (vint)0;
     Lanes u[3];
-    Masks far;
-    EACH_VECTOR(v) { far.v[v] = s->valid.v[v] & NOT(c->near[i].v[v]); }
-    if (any_of(&far)) {
-      displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
-      add_own(c, i, &u[0], &u[1], &u[2]);
+    Masks asks;
+    EACH_VECTOR(v) { asks.v[v] = NOT(c->near[i].v[v] | (known & NOT(split->wide.v[v]))); }
+    if (!any_of(&asks)) continue;
+    displacement(influence, c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
+    add_own(c, i, &u[0], &u[1], &u[2]);
+    EACH_VECTOR(v) {
+      c->gx[i].v[v] = PICK(asks.v[v], u[0].v[v], c->gx[i].v[v]);
+      c->gy[i].v[v] = PICK(asks.v[v], u[1].v[v], c->gy[i].v[v]);
+      c->uz[i].v[v] = PICK(asks.v[v], u[2].v[v], c->uz[i].v[v]);
     }
-    ROLLED for (int v = 0; v < VECTORS; ++v) {
-      global vreal *own = state + v * STATE_ROWS + i, *w = own + CREEP_AT;
-      const vint sums = s->valid.v[v];
-      const vreal summed[3] = {c->gx[i].v[v], c->gy[i].v[v], c->uz[i].v[v]};
-      vreal m[CREEP_FIELDS];
-      crept_at(creep, own, m);
-      EACH(k, 3) {
-        const vreal valid = ANY(far.v[v]) ? PICK(far.v[v], u[k].v[v], summed[k]) : summed[k];
-        u[k].v[v] = PICK(sums, valid, softer * w[k * COUNT]);
-      }
-      own[STEP_GX * COUNT] = u[0].v[v] + m[0];
-      own[STEP_GY * COUNT] = u[1].v[v] + m[1];
-#if MARKED
-      own[STRAINING_AT] = c->n[i].v[v] + m[3];
-      own[STRAINING_AT + COUNT] = c->tx[i].v[v] + m[4];
-      own[STRAINING_AT + 2 * COUNT] = c->ty[i].v[v] + m[5];
-#endif
-      EACH(k, CREEP_FIELDS) {
-        const vreal last = w[k * COUNT], now = k < 3 ? u[k % 3].v[v] * stiffer : own[(k - 3) * COUNT];
+  }
+  ROLLED for (int v = 0; v < VECTORS; ++v, state += STATE_ROWS) {
+    const vint valid = s->valid.v[v];
+    ROLLED for (int k = 0; k < CREEP_FIELDS; ++k) {
+      const Lanes *summed = k == 0 ? c->gx : k == 1 ? c->gy : k == 2 ? c->uz : k == 3 ? c->n : k == 4 ? c->tx : c->ty;
+      const int to = k < 2 ? (STEP_GX + k) * COUNT : STRAINING_AT + (k - 3) * COUNT;
+      ROLLED for (int i = 0; i < COUNT; ++i) {
+        global vreal *w = state + CREEP_AT + i;
+        const vreal last = w[k * COUNT], u = PICK(valid, summed[i].v[v], softer * last), now = PICK(valid, u * stiffer, last);
+        if (k != 2) state[to + i] = u + crept_to(creep, w, k);
         EACH(t, CREEP_TERMS) {
           global const real *number = creep + 1 + CREEP_NUMBERS * t;
-          global vreal *to = w + (CREEP_FIELDS * (1 + t) + k) * COUNT;
-          *to += number[CREEP_LAST] * last + (number[CREEP_NEW] * now - number[CREEP_FADES] * *to);
+          global vreal *late = w + (CREEP_FIELDS * (1 + t) + k) * COUNT;
+          *late += number[CREEP_LAST] * last + (number[CREEP_NEW] * now - number[CREEP_FADES] * *late);
         }
         w[k * COUNT] = now;
       }
