@@ -283,7 +283,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
                      int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
                      int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,
                      real force_tolerance, int most_sweeps, int most_solves, real reach, real travel, int sides,
-                     global const real *creep, global vreal *crept_heights, global vreal *state, global real *result) {
+                     global vreal *state, global real *result, global const real *creep, global vreal *crept_heights) {
   TAKE_GROUP(group);
   const Influence influence = influence_of(table);
   const Stiffness stiff = {kt, kr};

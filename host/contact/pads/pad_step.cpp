@@ -161,10 +161,10 @@ void PadStepper<Real>::make_launches() {
     kernel.set("reach", Real(usual_reach));
     kernel.set("travel", Real(longest_motion));
     kernel.set("sides", std::int32_t(rubber_beyond(pad_, cells_)));
-    kernel.set("creep", creep_ ? creep_->numbers : table_);  // elastic rubber reads neither
-    kernel.set("crept_heights", (creep_ ? creep_->heights : heights_).numbers);
     kernel.set("state", state_.numbers);
     kernel.set("result", result_.numbers);
+    kernel.set("creep", creep_ ? creep_->numbers : table_);  // elastic rubber reads neither
+    kernel.set("crept_heights", (creep_ ? creep_->heights : heights_).numbers);
   });
   for (Sums* sums : {&stresses_, &displacements_})
     if (sums->numbers.rows > 0)
@@ -246,15 +246,6 @@ void PadStepper<Real>::put_heights(std::size_t contact, const double* height, co
   }
 }
 
-template <class Real>
-void PadStepper<Real>::run(const Launch& launch) {
-  const std::size_t groups = places_ / lanes();
-  if (groups == 1 && device().info().low_latency)
-    executor_->run_here(launch);
-  else
-    executor_->run(launch, groups);
-}
-
 /// Returns how much softer rubber that creeps is in the step; 1 of other.
 template <class Real>
 double PadStepper<Real>::put_creep() {
@@ -283,7 +274,11 @@ void PadStepper<Real>::step(std::span<const double> to, bool by_wrench) {
   step_launch_.set("by_wrench", std::int32_t(by_wrench));
   if (creep_) step_launch_.set("force", Real(force));
   if (!writes_) result_.fill(std::numeric_limits<Real>::quiet_NaN());
-  run(step_launch_);
+  const std::size_t groups = places_ / lanes();
+  if (groups == 1 && device().info().low_latency)
+    executor_->run_here(step_launch_);
+  else
+    executor_->run(step_launch_, groups);
   if (writes_) return;
   const auto numbers = result_.numbers.map(MapFor::reading);
   for (std::size_t c = 0; c < count_; ++c)

@@ -125,7 +125,6 @@ class PadStepper {
   void put_input(std::size_t first, std::span<const double> from, std::span<const double> units);
   void put_heights(std::size_t contact, const double* height, const double* cover, std::span<Real> all,
                    std::span<Real> softs) const;
-  void run(const Launch& launch);
   double put_creep();
   void step(std::span<const double> to, bool by_wrench);
   void forget();
