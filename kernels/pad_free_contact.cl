@@ -17,7 +17,8 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
                              global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
                              int first_scene, global const vreal *lane_input, global const vreal *path,
                              global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
-                             real accept, int most_sweeps, global real *result, global real *forces, global vreal *memory) {
+                             real accept, int most_sweeps, global real *result, global real *forces,
+                             global vreal *memory) {
   TAKE_GROUP(group);
   const size_t scene = first_scene + group;
   const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};

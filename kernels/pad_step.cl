@@ -123,7 +123,8 @@ static void load_history(global const vreal *state, Cells *c) {
 }
 
 static void store(global const vreal *input, global const vreal *heights, global const vreal *soft, const Cells *c,
-                  const State *s, const Search *w, int by_wrench, const Lanes *missing, real softer, global vreal *state) {
+                  const State *s, const Search *w, int by_wrench, const Lanes *missing, real softer,
+                  global vreal *state) {
   const real stiffer = 1 / softer;
 #define KEEP(to, value) (to) = PICK(s->valid.v[v], value, to)
   EACH_VECTOR(v) {
@@ -278,7 +279,9 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
    kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near up to that part of the depth above it;
    travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
    +y; blocks, rho_n, rho_t: of kernels/pad/splitting.h, [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
-   (B + rho)^-1; wide_from: cells in the window of a contact that is split. */
+   (B + rho)^-1; wide_from: cells in the window of a contact that is split. creep: how much softer rubber that creeps is
+   in the step, then its terms [CREEP_TERMS][CREEP_NUMBERS]; crept_heights: as heights, to work in. Other rubber has
+   neither. */
 kernel void pad_step(uint first_group, global const real *table, global const real *blocks, real rho_n, real rho_t,
                      int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
                      int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,

@@ -69,7 +69,8 @@ OUTLINE void end_creep(const Influence *influence, global const real *creep, con
       const int to = k < 2 ? (STEP_GX + k) * COUNT : STRAINING_AT + (k - 3) * COUNT;
       ROLLED for (int i = 0; i < COUNT; ++i) {
         global vreal *w = state + CREEP_AT + i;
-        const vreal last = w[k * COUNT], u = PICK(valid, summed[i].v[v], softer * last), now = PICK(valid, u * stiffer, last);
+        const vreal last = w[k * COUNT], u = PICK(valid, summed[i].v[v], softer * last),
+                    now = PICK(valid, u * stiffer, last);
         if (k != 2) state[to + i] = u + crept_to(creep, w, k);
         EACH(t, CREEP_TERMS) {
           global const real *number = creep + 1 + CREEP_NUMBERS * t;

@@ -325,7 +325,7 @@ struct PadContact<Real>::State {
 
   void put_held_jobs(Laid& b, const PadLanes& lanes) {
     auto& jobs = b.rounds.emplace_back();
-    if (b.creep_terms > 0) lend(b, "pad_contact", "memory", b.lanes * b.memory_rows() * count());
+    if (b.creep_terms > 0) lend(b, "pad_contact", "memory", std::max(most_forces, b.lanes * b.memory_rows() * count()));
     if (lanes.own_groups > 0)  // first, for they take longer
       jobs.push_back({contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
     if (lanes.groups > 0) jobs.push_back({contact_launch(b, lanes.vectors, 0), lanes.groups});
