@@ -33,7 +33,7 @@
 static vreal mark_of(global const vreal *in, global const vreal *heights, global const vreal *soft, int v) {
   vint mark = AS_VINT(in[STEP_MU]);
   for (int i = 0; i < COUNT; ++i) {
-    mark = mark * 31 + AS_VINT(heights[v * COUNT + i]);
+    mark = mark * 31 + AS_VINT(HEIGHT(heights, v, i));
     mark = mark * 31 + AS_VINT(soft[v * COUNT + i]);
     if (FRICTION_MAP)
       mark += 7 * (AS_VINT(in[STEP_INPUT_ROWS + i]) - AS_VINT(in[STEP_MU])); /* one mu: as without map */
@@ -62,7 +62,7 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
     vint sensible = in[STEP_MU] >= 0;
     for (int r = 0; r < INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
     for (int i = 0; i < COUNT; ++i) {
-      const vreal h = heights[v * COUNT + i], e = soft[v * COUNT + i];
+      const vreal h = HEIGHT(heights, v, i), e = soft[v * COUNT + i];
       sum = finite_sum(finite_sum(sum, h), e);
       sensible &= e >= 0;
       lowest = SMALLER(h, lowest);
@@ -108,7 +108,7 @@ static void load_cells(const Influence *influence, global const vreal *soft, glo
     c->per_own_n[i].v[v] = 1 / (own_n + c->soft[i].v[v]);
     c->per_own_t[i].v[v] = 1 / (own_t + c->soft[i].v[v]);
     c->ux[i].v[v] = c->uy[i].v[v] = 0;
-    c->uz[i].v[v] = own[STEP_UZ * COUNT];
+    c->uz[i].v[v] = CREEP_TERMS > 0 ? softer * own[CREEP_AT + 2 * COUNT] : own[STEP_UZ * COUNT];
   }
 }
 
@@ -154,6 +154,9 @@ static void store(global const vreal *input, global const vreal *heights, global
     KEEP(own[STEP_GX * COUNT], c->gx[i].v[v]);
     KEEP(own[STEP_GY * COUNT], c->gy[i].v[v]);
     KEEP(own[STEP_UZ * COUNT], PICK(c->near[i].v[v], c->uz[i].v[v], ALL_LANES((real)STEP_UNKNOWN)));
+#if CREEP_TERMS
+    own[STEP_UZ * COUNT] = PICK(s->valid.v[v], own[STEP_UZ * COUNT], ALL_LANES((real)STEP_UNKNOWN));
+#endif
   }
 #undef KEEP
 }
@@ -280,13 +283,12 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
    travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
    +y; blocks, rho_n, rho_t: of kernels/pad/splitting.h, [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
    (B + rho)^-1; wide_from: cells in the window of a contact that is split. creep: how much softer rubber that creeps is
-   in the step, then its terms [CREEP_TERMS][CREEP_NUMBERS]; crept_heights: as heights, to work in. Other rubber has
-   neither. */
+   in the step, then its terms [CREEP_TERMS][CREEP_NUMBERS]. */
 kernel void pad_step(uint first_group, global const real *table, global const real *blocks, real rho_n, real rho_t,
                      int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
                      int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,
                      real force_tolerance, int most_sweeps, int most_solves, real reach, real travel, int sides,
-                     global vreal *state, global real *result, global const real *creep, global vreal *crept_heights) {
+                     global vreal *state, global real *result, global const real *creep) {
   TAKE_GROUP(group);
   const Influence influence = influence_of(table);
   const Stiffness stiff = {kt, kr};
@@ -297,8 +299,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   state += vector * STATE_ROWS;
   const real softer = CREEP_TERMS > 0 ? creep[0] : (real)1;
 #if CREEP_TERMS
-  begin_creep(&influence, creep, heights, crept_heights + vector * COUNT, state);
-  heights = crept_heights + vector * COUNT;
+  heights = begin_creep(&influence, creep, heights, state);
 #endif
 
   Cells c;

@@ -6,15 +6,6 @@
 #include "pad/nearby.h"
 #include "pad/splitting.h"
 
-/* MARKED 1: it has markers. */
-#ifndef MARKED
-#define MARKED 0
-#endif
-#define CREEP_AT (STEP_FIELDS * COUNT + STEP_NUMBERS)
-#define CREEP_FIELDS (MARKED ? 6 : 3) /* numbers of a cell that creep */
-#define STRAINING_AT (CREEP_AT + CREEP_FIELDS * (1 + CREEP_TERMS) * COUNT)
-#define STATE_ROWS (CREEP_TERMS == 0 ? CREEP_AT : STRAINING_AT + (MARKED ? 3 * COUNT : 0))
-
 #if CREEP_TERMS
 /* What number k of a cell has crept to, of x, y, z, and its tractions: `w` is its memory. */
 static inline vreal crept_to(global const real *creep, global const vreal *w, int k) {
@@ -27,19 +18,19 @@ static inline vreal crept_to(global const real *creep, global const vreal *w, in
   return m;
 }
 
-/* `crept` takes the heights of the step. Field by field: few streams at once. */
-OUTLINE void begin_creep(const Influence *influence, global const real *creep, global const vreal *heights,
-                         global vreal *crept, global vreal *state) {
-  ROLLED for (int v = 0; v < VECTORS; ++v, state += STATE_ROWS, heights += COUNT, crept += COUNT) {
-    ROLLED for (int i = 0; i < 2 * COUNT; ++i) state[STEP_GX * COUNT + i] -=
-        crept_to(creep, state + CREEP_AT + i % COUNT, i / COUNT);
+/* Field by field: few streams at once. Returns the heights of the step, in the place of STEP_UZ. */
+OUTLINE global const vreal *begin_creep(const Influence *influence, global const real *creep,
+                                        global const vreal *heights, global vreal *state) {
+  global vreal *crept = state + STEP_UZ * COUNT;
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    global vreal *own = state + v * STATE_ROWS, *w = own + CREEP_AT;
+    ROLLED for (int i = 0; i < 2 * COUNT; ++i) own[STEP_GX * COUNT + i] -= crept_to(creep, w + i % COUNT, i / COUNT);
     ROLLED for (int i = 0; i < COUNT; ++i) {
-      global const vreal *w = state + CREEP_AT + i;
-      const vreal h = heights[i];
-      crept[i] = PICK(h >= PAD_OPEN, h, h - crept_to(creep, w, 2) * influence->root_zz);
-      state[STEP_UZ * COUNT + i] = creep[0] * w[2 * COUNT];
+      const vreal h = heights[v * COUNT + i];
+      crept[v * STATE_ROWS + i] = PICK(h >= PAD_OPEN, h, h - crept_to(creep, w + i, 2) * influence->root_zz);
     }
   }
+  return crept;
 }
 
 /* What all cells remember, after the step is stored. Where cells near any indenter are, it has summed, but those that

@@ -99,8 +99,7 @@ PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std:
   head_.assign(head.begin(), head.end());
   result_ = LaneArray<Real>(device(), places_, 1, 1, STEP_RESULT_ROWS).fill(0);
   if (terms > 0)
-    creep_.emplace(Creeping{fem::Creep(pad.relaxation), filled(cell_count(), Real(PAD_OPEN)),
-                            Buffer<Real>(device(), 1 + CREEP_NUMBERS * terms)});
+    creep_.emplace(Creeping{fem::Creep(pad.relaxation), Buffer<Real>(device(), 1 + CREEP_NUMBERS * terms)});
   make_launches();
   set_friction(friction);
 }
@@ -163,8 +162,7 @@ void PadStepper<Real>::make_launches() {
     kernel.set("sides", std::int32_t(rubber_beyond(pad_, cells_)));
     kernel.set("state", state_.numbers);
     kernel.set("result", result_.numbers);
-    kernel.set("creep", creep_ ? creep_->numbers : table_);  // elastic rubber reads neither
-    kernel.set("crept_heights", (creep_ ? creep_->heights : heights_).numbers);
+    kernel.set("creep", creep_ ? creep_->numbers : table_);  // elastic rubber does not read it
   });
   for (Sums* sums : {&stresses_, &displacements_})
     if (sums->numbers.rows > 0)

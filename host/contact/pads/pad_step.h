@@ -111,8 +111,7 @@ class PadStepper {
   /// Of rubber that creeps.
   struct Creeping {
     fem::Creep law;
-    LaneArray<Real> heights;  ///< above what has crept
-    Buffer<Real> numbers;     ///< of the step: how much softer, and its terms
+    Buffer<Real> numbers;  ///< of the step: how much softer, and its terms
   };
 
   const Device& device() const { return executor_->device(); }
