@@ -46,7 +46,7 @@
    [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
    Out: result; forces [lane of all groups][slots][FORCE_PARTS][cells] N, in the own frame, where write_forces is not
-   0. memory [vectors of all groups][MEMORY_VECTORS]: of rubber that creeps, to work in. */
+   0. memory [vectors of all groups][MEMORY_VECTORS]: to work in, of rubber that creeps where LANES is 1. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
                         global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,

@@ -269,7 +269,11 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   }
   set_own(influence, &c);
 #if CREEPING
+#if LANES == 1
   global Memory *memory = (global Memory *)kept;
+#else
+  Memory own, *memory = &own;
+#endif
   forget(memory);
 #endif
   ROLLED for (int k = 0; k < increments; ++k) {

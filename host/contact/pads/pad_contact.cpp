@@ -247,7 +247,7 @@ struct PadContact<Real>::State {
       kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
       kernel.set("result", b.results.numbers);
       kernel.set("forces", b.cell_forces.numbers);
-      kernel.set("memory", b.cell_forces.numbers);  // until it is run; not read where nothing creeps
+      kernel.set("memory", b.cell_forces.numbers);  // until it is run; read where LANES is 1 and rubber creeps
     });
   }
 
@@ -325,7 +325,7 @@ struct PadContact<Real>::State {
 
   void put_held_jobs(Laid& b, const PadLanes& lanes) {
     auto& jobs = b.rounds.emplace_back();
-    if (b.creep_terms > 0) lend(b, "pad_contact", "memory", std::max(most_forces, b.lanes * b.memory_rows() * count()));
+    if (b.creep_terms > 0 && width() == 1) lend(b, "pad_contact", "memory", b.lanes * b.memory_rows() * count());
     if (lanes.own_groups > 0)  // first, for they take longer
       jobs.push_back({contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
     if (lanes.groups > 0) jobs.push_back({contact_launch(b, lanes.vectors, 0), lanes.groups});
