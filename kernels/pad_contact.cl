@@ -46,11 +46,11 @@
    [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
    kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
    Out: result; forces [lane of all groups][slots][FORCE_PARTS][cells] N, in the own frame, where write_forces is not
-   0. */
+   0. memory [vectors of all groups][MEMORY_VECTORS]: to work in, of rubber that creeps where LANES is 1. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
                         global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
-                        global real *result, global real *forces) {
+                        global real *result, global real *forces, global vreal *memory) {
   TAKE_GROUP(group);
   const size_t entries = OWN_TABLES ? (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE : SPAN * SPAN * PAD_INFLUENCE;
   global const side *head = tables + (OWN_TABLES ? group : (size_t)table_of[group]) * (PAD_TABLE_HEAD + entries),
@@ -59,7 +59,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   const size_t vector = first_vector + group * VECTORS;
   const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
   walk(&influence, lane_input + vector * INPUT_ROWS, path + vector * increments * PATH_ROWS,
-       heights + vector * RING * RING, increments, tolerance, &answers);
+       heights + vector * RING * RING, increments, tolerance, &answers, memory + vector * MEMORY_VECTORS);
 }
 
 /* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of

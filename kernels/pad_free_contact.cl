@@ -17,7 +17,8 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
                              global const real *between, int nodes_x, int nodes_y, real side_x, real side_y,
                              int first_scene, global const vreal *lane_input, global const vreal *path,
                              global const vreal *heights, int increments, int slots, int write_forces, real tolerance,
-                             real accept, int most_sweeps, global real *result, global real *forces) {
+                             real accept, int most_sweeps, global real *result, global real *forces,
+                             global vreal *memory) {
   TAKE_GROUP(group);
   const size_t scene = first_scene + group;
   const SidePart part = {between, nodes_x, nodes_y, side_x, side_y};
@@ -28,7 +29,8 @@ kernel void pad_free_contact(uint first_group, global real *pairs, global const 
   make_pairs(&part, head, softs + scene * COUNT, lane_input, heights, table);
   const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
   const Answers answers = {scene, slots, write_forces, most_sweeps, accept, result, forces};
-  walk(&influence, lane_input, path + scene * increments * PATH_ROWS, heights, increments, tolerance, &answers);
+  walk(&influence, lane_input, path + scene * increments * PATH_ROWS, heights, increments, tolerance, &answers,
+       memory + group * MEMORY_VECTORS);
 }
 
 /* Adds what free sides change in the stress at the base, one scene a work-item. `response_of` [scenes]: the scene's

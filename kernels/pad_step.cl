@@ -27,21 +27,13 @@
 #include "pad/pose_search.h"
 #include "pad/residual.h"
 #include "pad/splitting.h"
-
-/* MARKED 1: it has markers. */
-#ifndef MARKED
-#define MARKED 0
-#endif
-#define CREEP_AT (STEP_FIELDS * COUNT + STEP_NUMBERS)
-#define CREEP_FIELDS (MARKED ? 6 : 3) /* numbers of a cell that creep */
-#define STRAINING_AT (CREEP_AT + CREEP_FIELDS * (1 + CREEP_TERMS) * COUNT)
-#define STATE_ROWS (CREEP_TERMS == 0 ? CREEP_AT : STRAINING_AT + (MARKED ? 3 * COUNT : 0))
+#include "pad/step_creep.h"
 
 /* A number of 24 bits that heights, covers and mu give: it tells whether they are those of the last step. */
 static vreal mark_of(global const vreal *in, global const vreal *heights, global const vreal *soft, int v) {
   vint mark = AS_VINT(in[STEP_MU]);
   for (int i = 0; i < COUNT; ++i) {
-    mark = mark * 31 + AS_VINT(heights[v * COUNT + i]);
+    mark = mark * 31 + AS_VINT(HEIGHT(heights, v, i));
     mark = mark * 31 + AS_VINT(soft[v * COUNT + i]);
     if (FRICTION_MAP)
       mark += 7 * (AS_VINT(in[STEP_INPUT_ROWS + i]) - AS_VINT(in[STEP_MU])); /* one mu: as without map */
@@ -70,7 +62,7 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
     vint sensible = in[STEP_MU] >= 0;
     for (int r = 0; r < INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
     for (int i = 0; i < COUNT; ++i) {
-      const vreal h = heights[v * COUNT + i], e = soft[v * COUNT + i];
+      const vreal h = HEIGHT(heights, v, i), e = soft[v * COUNT + i];
       sum = finite_sum(finite_sum(sum, h), e);
       sensible &= e >= 0;
       lowest = SMALLER(h, lowest);
@@ -100,23 +92,23 @@ static void load_numbers(const Influence *influence, global const vreal *input, 
   }
 }
 
-static void load_cells(const Influence *influence, global const vreal *soft, global const vreal *state, const State *s,
-                       Cells *c) {
+static void load_cells(const Influence *influence, global const vreal *soft, global const vreal *state, real softer,
+                       const State *s, Cells *c) {
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     global const vreal *own = state + v * STATE_ROWS + i;
-    c->n[i].v[v] = own[STEP_N * COUNT];
-    c->tx[i].v[v] = own[STEP_TX * COUNT];
-    c->ty[i].v[v] = own[STEP_TY * COUNT];
-    c->n_last[i].v[v] = own[STEP_N_LAST * COUNT];
-    c->tx_last[i].v[v] = own[STEP_TX_LAST * COUNT];
-    c->ty_last[i].v[v] = own[STEP_TY_LAST * COUNT];
+    c->n[i].v[v] = own[STEP_N * COUNT] * softer;
+    c->tx[i].v[v] = own[STEP_TX * COUNT] * softer;
+    c->ty[i].v[v] = own[STEP_TY * COUNT] * softer;
+    c->n_last[i].v[v] = own[STEP_N_LAST * COUNT] * softer;
+    c->tx_last[i].v[v] = own[STEP_TX_LAST * COUNT] * softer;
+    c->ty_last[i].v[v] = own[STEP_TY_LAST * COUNT] * softer;
     c->soft[i].v[v] = PICK(s->valid.v[v], soft[v * COUNT + i], ALL_LANES(0));
     global const real *entry = influence->table + (size_t)PAD_PAIR * (COUNT + 1) * i;
     const real own_n = DENSE ? entry[PAD_ZZ] : (real)1, own_t = DENSE ? fmax(entry[PAD_XX], entry[PAD_YY]) : (real)1;
     c->per_own_n[i].v[v] = 1 / (own_n + c->soft[i].v[v]);
     c->per_own_t[i].v[v] = 1 / (own_t + c->soft[i].v[v]);
     c->ux[i].v[v] = c->uy[i].v[v] = 0;
-    c->uz[i].v[v] = own[STEP_UZ * COUNT];
+    c->uz[i].v[v] = CREEP_TERMS > 0 ? softer * own[CREEP_AT + 2 * COUNT] : own[STEP_UZ * COUNT];
   }
 }
 
@@ -131,7 +123,9 @@ static void load_history(global const vreal *state, Cells *c) {
 }
 
 static void store(global const vreal *input, global const vreal *heights, global const vreal *soft, const Cells *c,
-                  const State *s, const Search *w, int by_wrench, const Lanes *missing, global vreal *state) {
+                  const State *s, const Search *w, int by_wrench, const Lanes *missing, real softer,
+                  global vreal *state) {
+  const real stiffer = 1 / softer;
 #define KEEP(to, value) (to) = PICK(s->valid.v[v], value, to)
   EACH_VECTOR(v) {
     global vreal *own = state + v * STATE_ROWS + STEP_FIELDS * COUNT;
@@ -151,12 +145,12 @@ static void store(global const vreal *input, global const vreal *heights, global
   }
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     global vreal *own = state + v * STATE_ROWS + i;
-    KEEP(own[STEP_N * COUNT], c->n[i].v[v]);
-    KEEP(own[STEP_TX * COUNT], c->tx[i].v[v]);
-    KEEP(own[STEP_TY * COUNT], c->ty[i].v[v]);
-    KEEP(own[STEP_N_LAST * COUNT], c->n_last[i].v[v]);
-    KEEP(own[STEP_TX_LAST * COUNT], c->tx_last[i].v[v]);
-    KEEP(own[STEP_TY_LAST * COUNT], c->ty_last[i].v[v]);
+    KEEP(own[STEP_N * COUNT], c->n[i].v[v] * stiffer);
+    KEEP(own[STEP_TX * COUNT], c->tx[i].v[v] * stiffer);
+    KEEP(own[STEP_TY * COUNT], c->ty[i].v[v] * stiffer);
+    KEEP(own[STEP_N_LAST * COUNT], c->n_last[i].v[v] * stiffer);
+    KEEP(own[STEP_TX_LAST * COUNT], c->tx_last[i].v[v] * stiffer);
+    KEEP(own[STEP_TY_LAST * COUNT], c->ty_last[i].v[v] * stiffer);
     KEEP(own[STEP_GX * COUNT], c->gx[i].v[v]);
     KEEP(own[STEP_GY * COUNT], c->gy[i].v[v]);
     KEEP(own[STEP_UZ * COUNT], PICK(c->near[i].v[v], c->uz[i].v[v], ALL_LANES((real)STEP_UNKNOWN)));
@@ -288,12 +282,13 @@ OUTLINE void answer(const Influence *influence, global const vreal *input, globa
    kt, kr: Stiffness; force: E H^2, N; thickness: H, mm; reach: cells are near up to that part of the depth above it;
    travel: the longest motion of a solve along the pad; sides: sum of 1, 2, 4, 8 where rubber lies beyond -x, +x, -y,
    +y; blocks, rho_n, rho_t: of kernels/pad/splitting.h, [2][4][BLOCK_ROUNDS][BLOCK_ROWS][STEP_ROUND], B and
-   (B + rho)^-1; wide_from: cells in the window of a contact that is split. */
+   (B + rho)^-1; wide_from: cells in the window of a contact that is split. creep: how much softer rubber that creeps is
+   in the step, then its terms [CREEP_TERMS][CREEP_NUMBERS]. */
 kernel void pad_step(uint first_group, global const real *table, global const real *blocks, real rho_n, real rho_t,
                      int wide_from, global const vreal *input, global const vreal *heights, global const vreal *soft,
                      int by_wrench, real kt, real kr, real force, real thickness, real tolerance, real accept,
                      real force_tolerance, int most_sweeps, int most_solves, real reach, real travel, int sides,
-                     global vreal *state, global real *result) {
+                     global vreal *state, global real *result, global const real *creep) {
   TAKE_GROUP(group);
   const Influence influence = influence_of(table);
   const Stiffness stiff = {kt, kr};
@@ -302,6 +297,10 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   heights += vector * COUNT;
   soft += vector * COUNT;
   state += vector * STATE_ROWS;
+  const real softer = CREEP_TERMS > 0 ? creep[0] : (real)1;
+#if CREEP_TERMS
+  heights = begin_creep(&influence, creep, heights, state);
+#endif
 
   Cells c;
   State s;
@@ -310,7 +309,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   Split splitting;
   Lanes missing[3];
   load_numbers(&influence, input, heights, soft, state, by_wrench, &s);
-  load_cells(&influence, soft, state, &s, &c);
+  load_cells(&influence, soft, state, softer, &s, &c);
   list_pressing(&c);
   if (by_wrench) {
     first_pose(&influence, &stiff, input, state + STEP_FIELDS * COUNT, STATE_ROWS, force_tolerance, travel, &c, &s,
@@ -354,97 +353,11 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   answer(&influence, input, heights, accept, force, thickness, reach, sides, &c, &s, &search, by_wrench, vector * LANES,
          result);
   remember(&c, &s);
-  store(input, heights, soft, &c, &s, &search, by_wrench, missing, state);
-}
-
+  store(input, heights, soft, &c, &s, &search, by_wrench, missing, softer, state);
 #if CREEP_TERMS
-/* What the rubber of a cell has crept to, x, y, z, and its tractions: `own` is its state. */
-static inline void crept_at(global const real *numbers, global const vreal *own, vreal m[CREEP_FIELDS]) {
-  global const vreal *w = own + CREEP_AT;
-  EACH(k, CREEP_FIELDS) { m[k] = 0; }
-  EACH(t, CREEP_TERMS) {
-    global const real *number = numbers + CREEP_NUMBERS * t;
-    EACH(k, CREEP_FIELDS) {
-      const vreal v = w[(CREEP_FIELDS * (1 + t) + k) * COUNT];
-      m[k] = fma(ALL_LANES(number[CREEP_C]), v + (number[CREEP_LAST] * w[k * COUNT] - number[CREEP_FADES] * v), m[k]);
-    }
-  }
-}
-
-/* Before a step of rubber that creeps. The contact of the step is an elastic one on heights above what has crept, whose
-   tractions are `softer` times larger. */
-kernel void pad_creep_begin(uint first_group, global const real *table, global const real *numbers, real softer,
-                            global const vreal *heights, global vreal *crept_heights, global vreal *state) {
-  TAKE_GROUP(group);
-  ROLLED for (int v = 0; v < VECTORS; ++v) {
-    const size_t vector = group * VECTORS + v;
-    ROLLED for (int i = 0; i < COUNT; ++i) {
-      global vreal *own = state + vector * STATE_ROWS + i;
-      vreal m[CREEP_FIELDS];
-      crept_at(numbers, own, m);
-      const vreal h = heights[vector * COUNT + i];
-      crept_heights[vector * COUNT + i] = PICK(h >= PAD_OPEN, h, h - m[2] * table[PAD_ROOT_ZZ]);
-      own[STEP_GX * COUNT] -= m[0];
-      own[STEP_GY * COUNT] -= m[1];
-      own[STEP_UZ * COUNT] = softer * own[CREEP_AT + 2 * COUNT];
-      EACH(k, STEP_GX) { own[k * COUNT] *= softer; }
-    }
-  }
-}
-
-/* After it: the tractions as they are, and what all cells remember of them. Where cells near the indenter are, the step
-   has summed. */
-kernel void pad_creep_end(uint first_group, global const real *table, global const real *numbers, real softer,
-                          global const vreal *soft, global vreal *state) {
-  TAKE_GROUP(group);
-  const Influence influence = influence_of(table);
-  const real stiffer = 1 / softer;
-  soft += group * VECTORS * COUNT;
-  state += group * VECTORS * STATE_ROWS;
-  Cells c;
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    global const vreal *own = state + v * STATE_ROWS + i;
-    c.n[i].v[v] = own[STEP_N * COUNT];
-    c.tx[i].v[v] = own[STEP_TX * COUNT];
-    c.ty[i].v[v] = own[STEP_TY * COUNT];
-    c.soft[i].v[v] = soft[v * COUNT + i];
-  }
-  list_pressing(&c);
-  ROLLED for (int i = 0; i < COUNT; ++i) {
-    Lanes u[3];
-    Masks far;
-    EACH_VECTOR(v) { far.v[v] = state[v * STATE_ROWS + STEP_UZ * COUNT + i] >= (real)STEP_UNKNOWN; }
-    if (any_of(&far)) {
-      displacement(&influence, &c, i / CELLS_Y, i % CELLS_Y, &u[0], &u[1], &u[2]);
-      add_own(&c, i, &u[0], &u[1], &u[2]);
-    }
-    ROLLED for (int v = 0; v < VECTORS; ++v) {
-      global vreal *own = state + v * STATE_ROWS + i, *w = own + CREEP_AT;
-      EACH(k, 3) {
-        const vreal summed = own[(STEP_GX + k) * COUNT];
-        u[k].v[v] = ANY(far.v[v]) ? PICK(far.v[v], u[k].v[v], summed) : summed;
-      }
-      vreal m[CREEP_FIELDS];
-      crept_at(numbers, own, m);
-      own[STEP_GX * COUNT] = u[0].v[v] + m[0];
-      own[STEP_GY * COUNT] = u[1].v[v] + m[1];
-#if MARKED
-      EACH(k, 3) { own[STRAINING_AT + k * COUNT] = own[k * COUNT] + m[3 + k]; }
+  end_creep(&influence, creep, &splitting, &c, &s, state);
 #endif
-      EACH(k, STEP_GX) { own[k * COUNT] *= stiffer; }
-      EACH(k, CREEP_FIELDS) {
-        const vreal last = w[k * COUNT], now = k < 3 ? u[k % 3].v[v] * stiffer : own[(k - 3) * COUNT];
-        EACH(t, CREEP_TERMS) {
-          global const real *number = numbers + CREEP_NUMBERS * t;
-          global vreal *to = w + (CREEP_FIELDS * (1 + t) + k) * COUNT;
-          *to += number[CREEP_LAST] * last + (number[CREEP_NEW] * now - number[CREEP_FADES] * *to);
-        }
-        w[k * COUNT] = now;
-      }
-    }
-  }
 }
-#endif
 
 /* Stress at the base under the tactels from the tractions of the state, by one matrix of the pad: base [blocks][cells][n,
    t_x, t_y][STEP_FRAME_BLOCK] MPa over a traction of the state, rows sigma_z, tau_x, tau_y of the tactels, with zeros

@@ -6,6 +6,7 @@
 #include "patch/numbers.h"
 #include "shared/elementary.h"
 #include "shared/pad_layout.h"
+#include "shared/pad_step_layout.h"
 
 /* STEPPED 1 (kernels/pad_step.cl): cells are fixed to the pad, so that most lie far from the indenter, and those that it
    covers in part give way on their own. */
@@ -99,8 +100,20 @@ typedef struct {
 #define CELL_SUMMED(c, k) (STEPPED ? (c)->near_list[k] : (k))
 #define NEAR(c, i, v) (STEPPED ? (c)->near[i].v[v] : ~(vint)0)
 
-/* The height of cell i of vector v. Without a ring around the cells where they are fixed to the pad. */
-#define HEIGHT(heights, v, i) heights[STEPPED ? (v)*COUNT + (i) : ((v)*RING + (i) / CELLS + 1) * RING + (i) % CELLS + 1]
+/* MARKED 1, of steps: there are markers. */
+#ifndef MARKED
+#define MARKED 0
+#endif
+/* Of a state of steps (shared/pad_step_layout.h). */
+#define CREEP_AT (STEP_FIELDS * COUNT + STEP_NUMBERS)
+#define CREEP_FIELDS (MARKED ? 6 : 3) /* numbers of a cell that creep */
+#define STRAINING_AT (CREEP_AT + CREEP_FIELDS * (1 + CREEP_TERMS) * COUNT)
+#define STATE_ROWS (CREEP_TERMS == 0 ? CREEP_AT : STRAINING_AT + (MARKED ? 3 * COUNT : 0))
+/* The height of cell i of vector v. Without a ring around the cells where they are fixed to the pad; those of a step on
+   rubber that creeps lie in its state. */
+#define HEIGHT_ROWS (CREEP_TERMS > 0 ? STATE_ROWS : COUNT)
+#define HEIGHT(heights, v, i) \
+  heights[STEPPED ? (v)*HEIGHT_ROWS + (i) : ((v)*RING + (i) / CELLS + 1) * RING + (i) % CELLS + 1]
 
 /* Numbers that belong to a table. */
 #if OWN_TABLES

@@ -8,13 +8,19 @@
 #if CREEPING
 
 /* What the rubber of each cell remembers: its displacement x, y, z and its tractions n, t_x, t_y, as they are scaled. The
-   tractions tell what places below the surface have crept to. */
+   tractions tell what places below the surface have crept to. Where a scene is a work-item it lies in memory that a run
+   is lent: GPUs have little for each. */
+#if LANES == 1
+#define LENT global
+#else
+#define LENT private
+#endif
 typedef struct {
   Lanes last[CREEPS * COUNT];               /* of elastic rubber, by the last tractions */
   Lanes late[CREEPS * CREEP_TERMS * COUNT]; /* what a term has crept towards */
 } Memory;
 
-static void forget(Memory *m) {
+static void forget(LENT Memory *m) {
   ROLLED for (int i = 0; i < CREEPS * COUNT; ++i) EACH_VECTOR(v) { m->last[i].v[v] = 0; }
   ROLLED for (int i = 0; i < CREEPS * CREEP_TERMS * COUNT; ++i) EACH_VECTOR(v) { m->late[i].v[v] = 0; }
 }
@@ -31,7 +37,7 @@ static void scale_tractions(Cells *c, int i, int v, vreal by) {
 /* `rows`: numbers of the increment, of vector v from v * stride on. The contact is one on rubber that lies where it has
    crept, with tractions that are `softer` times larger. */
 OUTLINE void begin_creep(const Influence *influence, global const vreal *heights, global const vreal *rows, int stride,
-                         const Memory *m, Cells *c, State *s) {
+                         LENT const Memory *m, Cells *c, State *s) {
   EACH_VECTOR(v) {
     s->softer.v[v] = PICK(s->running.v[v], rows[v * stride], ALL_LANES(1));
     s->lowest.v[v] = PAD_OPEN;
@@ -54,7 +60,7 @@ OUTLINE void begin_creep(const Influence *influence, global const vreal *heights
   }
 }
 
-OUTLINE void end_creep(global const vreal *rows, int stride, Memory *m, Cells *c, const State *s) {
+OUTLINE void end_creep(global const vreal *rows, int stride, LENT Memory *m, Cells *c, const State *s) {
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     global const vreal *number = rows + v * stride + 1;
     const vreal stiffer = 1 / s->softer.v[v];
@@ -68,7 +74,7 @@ OUTLINE void end_creep(global const vreal *rows, int stride, Memory *m, Cells *c
       const vreal last = m->last[k * COUNT + i].v[v];
       EACH(t, CREEP_TERMS) {
         global const vreal *of = number + CREEP_NUMBERS * t;
-        vreal *late = &m->late[(CREEPS * t + k) * COUNT + i].v[v];
+        LENT vreal *late = &m->late[(CREEPS * t + k) * COUNT + i].v[v];
         *late += of[CREEP_LAST] * last + (of[CREEP_NEW] * now[k] - of[CREEP_FADES] * *late);
       }
       m->last[k * COUNT + i].v[v] = now[k];

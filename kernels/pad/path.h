@@ -13,6 +13,7 @@
 #define PATH_ROWS (PAD_PATH_ROWS + (CREEPING ? 1 + CREEP_NUMBERS * CREEP_TERMS : 0))
 /* n, t_x, t_y of each cell; of rubber that creeps then those that would strain elastic rubber as far. */
 #define FORCE_PARTS (CREEPING ? 6 : 3)
+#define MEMORY_VECTORS (CREEPS * (1 + CREEP_TERMS) * COUNT)
 #define MOST_FORCE_TRIALS 60
 
 /* Judges the force of lanes that search their depth, and moves those that miss it: they solve again. */
@@ -239,9 +240,9 @@ static void check_input(global const vreal *lane_input, global const vreal *path
   }
 }
 
-/* Walks the load paths of a group; the arrays are its own. */
+/* Walks the load paths of a group; the arrays are its own. `kept`: MEMORY_VECTORS of each vector, to work in. */
 INLINE void walk(const Influence *influence, global const vreal *lane_input, global const vreal *path,
-                 global const vreal *heights, int increments, real tolerance, const Answers *a) {
+                 global const vreal *heights, int increments, real tolerance, const Answers *a, global vreal *kept) {
   Cells c;
   State s;
   check_input(lane_input, path, heights, increments, &s);
@@ -268,8 +269,12 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   }
   set_own(influence, &c);
 #if CREEPING
-  Memory memory;
-  forget(&memory);
+#if LANES == 1
+  global Memory *memory = (global Memory *)kept;
+#else
+  Memory own, *memory = &own;
+#endif
+  forget(memory);
 #endif
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
@@ -288,7 +293,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     if (!any_of(&s.running)) break;
 #if CREEPING
     global const vreal *creep_rows = path + k * PATH_ROWS + PAD_PATH_ROWS;
-    begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+    begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, memory, &c, &s);
     EACH_VECTOR(v) { target.normal.v[v] *= PICK(s.by_force.v[v], s.softer.v[v], ALL_LANES(1)); }
 #endif
     start_increment(influence, &target, heights, &c, &s, &solving);
@@ -311,7 +316,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
     remember(&c, &s);
 #if CREEPING
-    end_creep(creep_rows, increments * PATH_ROWS, &memory, &c, &s);
+    end_creep(creep_rows, increments * PATH_ROWS, memory, &c, &s);
 #endif
   }
   /* Lanes whose input is no scene. */

@@ -247,6 +247,7 @@ struct PadContact<Real>::State {
       kernel.set("most_sweeps", std::int32_t(options.most_sweeps));
       kernel.set("result", b.results.numbers);
       kernel.set("forces", b.cell_forces.numbers);
+      kernel.set("memory", b.cell_forces.numbers);  // until it is run; read where LANES is 1 and rubber creeps
     });
   }
 
@@ -315,6 +316,7 @@ struct PadContact<Real>::State {
   void put_free_jobs(Laid& b) {
     const std::size_t at_once = std::min(groups_at_once(), b.lanes);
     lend(b, "pad_free_contact", "pairs", at_once * PAIRS_NUMBERS(static_cast<std::size_t>(options.cells)));
+    if (b.creep_terms > 0) lend(b, "pad_free_contact", "memory", at_once * b.memory_rows() * count());
     for (std::size_t first = 0; first < b.lanes; first += at_once)
       b.rounds.push_back({{contact_launch(b, free_sides, first), std::min(at_once, b.lanes - first)}});
     b.rounds.push_back({{sums_launch(b, b.stress, own_tables), b.stress.groups}});
@@ -323,6 +325,7 @@ struct PadContact<Real>::State {
 
   void put_held_jobs(Laid& b, const PadLanes& lanes) {
     auto& jobs = b.rounds.emplace_back();
+    if (b.creep_terms > 0 && width() == 1) lend(b, "pad_contact", "memory", b.lanes * b.memory_rows() * count());
     if (lanes.own_groups > 0)  // first, for they take longer
       jobs.push_back({contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
     if (lanes.groups > 0) jobs.push_back({contact_launch(b, lanes.vectors, 0), lanes.groups});

@@ -53,8 +53,9 @@ class PadContact {
     bool mapped = false;               ///< some scene has a map of friction
     std::size_t creep_terms = 0;       ///< most of a rubber that creeps
     std::size_t path_rows() const { return PAD_PATH_ROWS + (creep_terms > 0 ? 1 + CREEP_NUMBERS * creep_terms : 0); }
-    int force_parts() const { return creep_terms > 0 ? 6 : 3; }  ///< of a cell
-    PadSums<Real> stress, markers;                               ///< one behind the other in the outputs
+    int force_parts() const { return creep_terms > 0 ? 6 : 3; }        ///< of a cell
+    std::size_t memory_rows() const { return 6 * (1 + creep_terms); }  ///< numbers of a cell that creep
+    PadSums<Real> stress, markers;                                     ///< one behind the other in the outputs
     Buffer<Real> tables, own_tables;
     Buffer<std::int32_t> table_of_group;
     LaneArray<Real> cell_forces;

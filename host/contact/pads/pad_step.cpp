@@ -99,8 +99,7 @@ PadStepper<Real>::PadStepper(Executor& executor, const fem::PadSensor& pad, std:
   head_.assign(head.begin(), head.end());
   result_ = LaneArray<Real>(device(), places_, 1, 1, STEP_RESULT_ROWS).fill(0);
   if (terms > 0)
-    creep_.emplace(Creeping{fem::Creep(pad.relaxation), filled(cell_count(), Real(PAD_OPEN)),
-                            Buffer<Real>(device(), CREEP_NUMBERS * terms)});
+    creep_.emplace(Creeping{fem::Creep(pad.relaxation), Buffer<Real>(device(), 1 + CREEP_NUMBERS * terms)});
   make_launches();
   set_friction(friction);
 }
@@ -146,7 +145,7 @@ void PadStepper<Real>::make_launches() {
     kernel.set("rho_t", Real(rho_t_));
     kernel.set("wide_from", std::int32_t(wide_from_));
     kernel.set("input", input_.numbers);
-    kernel.set("heights", (creep_ ? creep_->heights : heights_).numbers);
+    kernel.set("heights", heights_.numbers);
     kernel.set("soft", soft_.numbers);
     kernel.set("by_wrench", std::int32_t(0));
     kernel.set("kt", Real(kt_));
@@ -163,24 +162,8 @@ void PadStepper<Real>::make_launches() {
     kernel.set("sides", std::int32_t(rubber_beyond(pad_, cells_)));
     kernel.set("state", state_.numbers);
     kernel.set("result", result_.numbers);
+    kernel.set("creep", creep_ ? creep_->numbers : table_);  // elastic rubber does not read it
   });
-  const auto bind_creep = [&](KernelArguments& kernel) {
-    kernel.set("table", table_);
-    kernel.set("numbers", creep_->numbers);
-    kernel.set("softer", Real(1));
-    kernel.set("state", state_.numbers);
-  };
-  if (creep_) {
-    creep_->begin = executor_->prepare(program, "pad_creep_begin", [&](KernelArguments& kernel) {
-      bind_creep(kernel);
-      kernel.set("heights", heights_.numbers);
-      kernel.set("crept_heights", creep_->heights.numbers);
-    });
-    creep_->end = executor_->prepare(program, "pad_creep_end", [&](KernelArguments& kernel) {
-      bind_creep(kernel);
-      kernel.set("soft", soft_.numbers);
-    });
-  }
   for (Sums* sums : {&stresses_, &displacements_})
     if (sums->numbers.rows > 0)
       sums->launch = executor_->prepare(program, "pad_frames", [&](KernelArguments& kernel) {
@@ -261,26 +244,15 @@ void PadStepper<Real>::put_heights(std::size_t contact, const double* height, co
   }
 }
 
-template <class Real>
-void PadStepper<Real>::run(const Launch& launch) {
-  const std::size_t groups = places_ / lanes();
-  if (groups == 1 && device().info().low_latency)
-    executor_->run_here(launch);
-  else
-    executor_->run(launch, groups);
-}
-
 /// Returns how much softer rubber that creeps is in the step; 1 of other.
 template <class Real>
-double PadStepper<Real>::begin_creep() {
+double PadStepper<Real>::put_creep() {
   if (!creep_) return 1;
   const fem::CreepStep step = creep_->law.step(options_.dt);
-  std::vector<Real> numbers;
+  std::vector<Real> numbers{static_cast<Real>(step.softer)};
   for (const auto& term : step.terms)
     for (const double number : creep_numbers(term)) numbers.push_back(static_cast<Real>(number));
   creep_->numbers.write(numbers);
-  for (Launch* launch : {&creep_->begin, &creep_->end}) launch->set("softer", static_cast<Real>(step.softer));
-  run(creep_->begin);
   return step.softer;
 }
 
@@ -293,15 +265,18 @@ void PadStepper<Real>::forget() {
 template <class Real>
 void PadStepper<Real>::step(std::span<const double> to, bool by_wrench) {
   check_size(by_wrench ? "wrench" : "pose", to.size(), 4 * count_);
-  const double softer = begin_creep(), H = pad_.thickness, force = pad_.young * H * H / softer;
+  const double softer = put_creep(), H = pad_.thickness, force = pad_.young * H * H / softer;
   const std::array by_pose{1 / H, 1 / H, 1 / H, 1.0}, by_force{1 / force, 1 / force, 1 / force, 1 / (force * H)};
   forget();
   put_input(STEP_TO, to, by_wrench ? by_force : by_pose);
   step_launch_.set("by_wrench", std::int32_t(by_wrench));
   if (creep_) step_launch_.set("force", Real(force));
   if (!writes_) result_.fill(std::numeric_limits<Real>::quiet_NaN());
-  run(step_launch_);
-  if (creep_) run(creep_->end);
+  const std::size_t groups = places_ / lanes();
+  if (groups == 1 && device().info().low_latency)
+    executor_->run_here(step_launch_);
+  else
+    executor_->run(step_launch_, groups);
   if (writes_) return;
   const auto numbers = result_.numbers.map(MapFor::reading);
   for (std::size_t c = 0; c < count_; ++c)

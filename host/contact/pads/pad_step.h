@@ -111,9 +111,7 @@ class PadStepper {
   /// Of rubber that creeps.
   struct Creeping {
     fem::Creep law;
-    LaneArray<Real> heights;  ///< above what has crept
-    Buffer<Real> numbers;     ///< of the step
-    Launch begin{}, end{};
+    Buffer<Real> numbers;  ///< of the step: how much softer, and its terms
   };
 
   const Device& device() const { return executor_->device(); }
@@ -126,8 +124,7 @@ class PadStepper {
   void put_input(std::size_t first, std::span<const double> from, std::span<const double> units);
   void put_heights(std::size_t contact, const double* height, const double* cover, std::span<Real> all,
                    std::span<Real> softs) const;
-  void run(const Launch& launch);
-  double begin_creep();
+  double put_creep();
   void step(std::span<const double> to, bool by_wrench);
   void forget();
   std::span<const Real> made(Sums& sums);

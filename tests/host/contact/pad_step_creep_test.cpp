@@ -3,6 +3,7 @@
 // Steps of the kernel on rubber that creeps beside their twin, and the bits of their states.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -168,23 +169,39 @@ TEST(PadStepCreep, RefusesStatesOfOtherRubberAndTimesThatAreNone) {
   for (const double dt : {-1.0, std::nan(""), 1e13}) EXPECT_THROW(creeping.set_dt(dt), ValueError);
 }
 
-// A pose that is none leaves tractions as they are, and so what they do to all cells, near and far.
-TEST(PadStepCreep, NoPoseChangesNothingThatTractionsDo) {
-  PadStepper<double> steps(executor(), gel(), 2, std::array{0.5}, options_of(1e-9));
-  for (const std::size_t c : {0u, 1u}) steps.set_surface(c, fem::pad_surface(steps.cells(), object(c), {0, 0}, 0));
+// A pose, a cover and a height that are none leave tractions as they are, and so what they do to all cells, near and
+// far.
+TEST(PadStepCreep, NumbersThatAreNoInputChangeNothingThatTractionsDo) {
+  PadStepper<double> steps(executor(), gel(), 1, std::array{0.5}, options_of(1e-9));
+  const fem::PadSurface ball = fem::pad_surface(steps.cells(), object(1), {0, 0}, 0);
+  const std::array pose{0.12, 0.02, 0.0, 0.0};
+  steps.set_surface(0, ball);
   steps.set_dt(0.2);
-  steps.move(std::array{0.06, 0.0, 0.0, 0.0, 0.12, 0.0, 0.0, 0.0});
-  steps.move(std::array{0.06, 0.02, 0.0, 0.0, 0.12, 0.02, 0.0, 0.0});
-  const std::size_t cells = 120, first = 1, w = steps.state_rows() - 9 * cells;
-  const std::vector<double> before = steps.state(std::span(&first, 1));
-  steps.move(std::array{0.06, 0.02, 0.0, 0.0, std::nan(""), 0.0, 0.0, 0.0});
-  const std::vector<double> after = steps.state(std::span(&first, 1));
-  double most = 0;
-  for (std::size_t k = 0; k < 3 * cells; ++k) {
-    EXPECT_NEAR(after[w + k], before[w + k], 1e-9) << k;  // sticking cells: what the sweeps leave
-    most = std::max(most, std::abs(before[w + k]));
-  }
-  EXPECT_GT(most, 0.01);
+  steps.move(std::array{0.12, 0.0, 0.0, 0.0});
+  steps.move(pose);
+  const std::size_t cells = 120, w = steps.state_rows() - 9 * cells;
+  const auto remembered = [&] {
+    const std::vector<double> all = steps.state();
+    return std::vector(&all[w], &all[w] + 3 * cells);
+  };
+  const std::vector<double> before = remembered(), tractions = steps.tractions();
+  EXPECT_GT(std::ranges::max(before), 0.01);
+  const auto expect_same = [&](const char* what, double depth, const fem::PadSurface& surface) {
+    steps.set_surface(0, surface);
+    steps.move(std::array{depth, 0.02, 0.0, 0.0});
+    EXPECT_TRUE(static_cast<int>(number(steps, 0, STEP_RESULT_FLAGS)) & STEP_INVALID) << what;
+    EXPECT_EQ(steps.tractions(), tractions) << what;
+    EXPECT_EQ(remembered(), before) << what;
+  };
+  fem::PadSurface cover = ball, height = ball;
+  cover.cover[60] = height.height[60] = std::nan("");
+  expect_same("pose", std::nan(""), ball);
+  expect_same("cover", 0.12, cover);
+  expect_same("height", 0.12, height);
+  steps.set_surface(0, ball);
+  steps.move(pose);
+  EXPECT_EQ(static_cast<int>(number(steps, 0, STEP_RESULT_FLAGS)), 0);
+  EXPECT_LT(number(steps, 0, STEP_RESULT_RESIDUAL), 1e-5);
 }
 
 // Markers of the surface go with a ball that they stick to, however its force falls. Cells are 0.2 mm.
