@@ -154,9 +154,8 @@ static void store(global const vreal *input, global const vreal *heights, global
     KEEP(own[STEP_GX * COUNT], c->gx[i].v[v]);
     KEEP(own[STEP_GY * COUNT], c->gy[i].v[v]);
     KEEP(own[STEP_UZ * COUNT], PICK(c->near[i].v[v], c->uz[i].v[v], ALL_LANES((real)STEP_UNKNOWN)));
-#if CREEP_TERMS
-    own[STEP_UZ * COUNT] = PICK(s->valid.v[v], own[STEP_UZ * COUNT], ALL_LANES((real)STEP_UNKNOWN));
-#endif
+    if (CREEP_TERMS > 0)
+      own[STEP_UZ * COUNT] = PICK(s->valid.v[v], own[STEP_UZ * COUNT], ALL_LANES((real)STEP_UNKNOWN));
   }
 #undef KEEP
 }
@@ -298,9 +297,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
   soft += vector * COUNT;
   state += vector * STATE_ROWS;
   const real softer = CREEP_TERMS > 0 ? creep[0] : (real)1;
-#if CREEP_TERMS
-  heights = begin_creep(&influence, creep, heights, state);
-#endif
+  if (CREEP_TERMS > 0) heights = begin_creep(&influence, creep, heights, state);
 
   Cells c;
   State s;
@@ -354,9 +351,7 @@ kernel void pad_step(uint first_group, global const real *table, global const re
          result);
   remember(&c, &s);
   store(input, heights, soft, &c, &s, &search, by_wrench, missing, softer, state);
-#if CREEP_TERMS
-  end_creep(&influence, creep, &splitting, &c, &s, state);
-#endif
+  if (CREEP_TERMS > 0) end_creep(&influence, creep, &splitting, &c, &s, state);
 }
 
 /* Stress at the base under the tactels from the tractions of the state, by one matrix of the pad: base [blocks][cells][n,

@@ -37,14 +37,9 @@
 #define CREEP_TERMS 0
 #endif
 #define CREEPING (CREEP_TERMS > 0 && !STEPPED)
-#define CREEPS 6 /* numbers of a cell that creep */
-#if CREEPING
-#define CREPT(c, k, i, v) (c)->crept[(k)*COUNT + (i)].v[v]
-#define LESS_CREPT(c, i, v) -CREPT(c, 2, i, v)
-#else
-#define LESS_CREPT(c, i, v)
-#endif
-#define OWN_ROWS (STEPPED || FREE_SIDES) /* cells differ in what they do to themselves */
+#define CREEPS 6                                           /* numbers of a cell that creep */
+#define CREPT(c, k, i, v) (c)->crept[(k)*COUNT + (i)].v[v] /* where CREEPING */
+#define OWN_ROWS (STEPPED || FREE_SIDES)                   /* cells differ in what they do to themselves */
 
 /* CELLS_Y, of steps alone: cells along y where they are not CELLS, as along x. Cell (i, j) has index i CELLS_Y + j. */
 #ifndef CELLS_Y

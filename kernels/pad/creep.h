@@ -5,20 +5,20 @@
 #define TACTEL_PAD_CREEP_H
 #include "pad/cells.h"
 
-#if CREEPING
-
 /* What the rubber of each cell remembers: its displacement x, y, z and its tractions n, t_x, t_y, as they are scaled. The
    tractions tell what places below the surface have crept to. Where a scene is a work-item it lies in memory that a run
    is lent: GPUs have little for each. */
+typedef struct {
+  Lanes last[WHERE(CREEPING, CREEPS *COUNT)];              /* of elastic rubber, by the last tractions */
+  Lanes late[WHERE(CREEPING, CREEPS *CREEP_TERMS *COUNT)]; /* what a term has crept towards */
+} Memory;
 #if LANES == 1
 #define LENT global
+#define MEMORY_IN(name, lent) global Memory *name = (global Memory *)(lent)
 #else
 #define LENT private
+#define MEMORY_IN(name, lent) Memory own, *name = &own
 #endif
-typedef struct {
-  Lanes last[CREEPS * COUNT];               /* of elastic rubber, by the last tractions */
-  Lanes late[CREEPS * CREEP_TERMS * COUNT]; /* what a term has crept towards */
-} Memory;
 
 static void forget(LENT Memory *m) {
   ROLLED for (int i = 0; i < CREEPS * COUNT; ++i) EACH_VECTOR(v) { m->last[i].v[v] = 0; }
@@ -82,5 +82,4 @@ OUTLINE void end_creep(global const vreal *rows, int stride, LENT Memory *m, Cel
   }
 }
 
-#endif
 #endif

@@ -12,6 +12,13 @@ typedef struct {
   Lanes normal, x, y, twist; /* as PadPathRow */
 } Target;
 
+/* How far the indenter would be above the rubber if nothing pressed. */
+static inline void set_open(const Influence *influence, global const vreal *heights, const State *s, int i, int v,
+                            Cells *c) {
+  c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz;
+  if (CREEPING) c->open[i].v[v] -= CREPT(c, 2, i, v);
+}
+
 /* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do
    not solve. */
 OUTLINE void start_increment(const Influence *influence, const Target *target, global const vreal *heights, Cells *c,
@@ -73,7 +80,7 @@ OUTLINE void start_increment(const Influence *influence, const Target *target, g
     c->n[i].v[v] = PICK(moves, n, n0);
     c->tx[i].v[v] = PICK(moves, x, x0);
     c->ty[i].v[v] = PICK(moves, y, y0);
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
+    set_open(influence, heights, s, i, v, c);
     c->gx[i].v[v] =
         fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
     c->gy[i].v[v] =

@@ -44,9 +44,7 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     s->d.v[v] = PICK(s->active.v[v], PICK((trial > s->low.v[v]) & (trial < s->high.v[v]), trial, halved), d);
     s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
   }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    c->open[i].v[v] = (HEIGHT(heights, v, i) - s->d.v[v]) / influence->root_zz LESS_CREPT(c, i, v);
-  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) { set_open(influence, heights, s, i, v, c); }
 }
 
 /* Adds the slide of this increment; to `slid` where no cell sticks that touches. */
@@ -118,11 +116,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
   ROLLED for (int v = 0; v < VECTORS; ++v) {
     global const vreal *in = lane_input + v * INPUT_ROWS;
     const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], H = in[PAD_THICKNESS];
-#if CREEPING
-    const vreal force = in[PAD_FORCE] / s->softer.v[v];
-#else
-    const vreal force = in[PAD_FORCE];
-#endif
+    const vreal force = CREEPING ? in[PAD_FORCE] / s->softer.v[v] : in[PAD_FORCE];
     vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0, grip = 0;
     vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
     vreal first_x = CELLS, last_x = -1, first_y = CELLS, last_y = -1;
@@ -135,11 +129,8 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
       const vreal own_x = s->x_middle.v[v] + x_of(influence, i), own_y = s->y_middle.v[v] + y_of(influence, i);
       M = fma(own_x, y, fma(-own_y, x, M));
       const vint touches = n > 0;
-#if CREEPING
-      const vreal ux = c->ux[i].v[v] + CREPT(c, 0, i, v), uy = c->uy[i].v[v] + CREPT(c, 1, i, v);
-#else
-      const vreal ux = c->ux[i].v[v], uy = c->uy[i].v[v];
-#endif
+      const vreal ux = CREEPING ? c->ux[i].v[v] + CREPT(c, 0, i, v) : c->ux[i].v[v],
+                  uy = CREEPING ? c->uy[i].v[v] + CREPT(c, 1, i, v) : c->uy[i].v[v];
       if (FRICTION_MAP) grip = fma(MU(i, v), n, grip);
       const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - ux * influence->root_tt,
                   slip_y = s->y.v[v] + s->twist.v[v] * own_x - uy * influence->root_tt;
@@ -202,14 +193,13 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     if (!a->write_forces) continue;
     for (int i = 0; i < COUNT; ++i)
       for (int part = 0; part < FORCE_PARTS; ++part) {
-#if CREEPING
-        if (part >= 3) {
+        if (CREEPING && part >= 3) {
           const vreal traction = part == 3 ? c->n[i].v[v] : part == 4 ? c->tx[i].v[v] : c->ty[i].v[v];
           STORE((traction + CREPT(c, part, i, v)) * (part == 3 ? n_unit : t_unit) * in[PAD_FORCE], number);
-        } else
-#endif
+        } else {
           STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
                 number);
+        }
         for (int l = 0; l < LANES; ++l)
           if (place[l] >= 0)
             a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * FORCE_PARTS + part) * COUNT +
@@ -268,14 +258,8 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
   }
   set_own(influence, &c);
-#if CREEPING
-#if LANES == 1
-  global Memory *memory = (global Memory *)kept;
-#else
-  Memory own, *memory = &own;
-#endif
-  forget(memory);
-#endif
+  MEMORY_IN(memory, kept);
+  if (CREEPING) forget(memory);
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
     Target target;
@@ -291,11 +275,11 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
       target.twist.v[v] = to[PAD_TWIST];
     }
     if (!any_of(&s.running)) break;
-#if CREEPING
     global const vreal *creep_rows = path + k * PATH_ROWS + PAD_PATH_ROWS;
-    begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, memory, &c, &s);
-    EACH_VECTOR(v) { target.normal.v[v] *= PICK(s.by_force.v[v], s.softer.v[v], ALL_LANES(1)); }
-#endif
+    if (CREEPING) {
+      begin_creep(influence, heights, creep_rows, increments * PATH_ROWS, memory, &c, &s);
+      EACH_VECTOR(v) { target.normal.v[v] *= PICK(s.by_force.v[v], s.softer.v[v], ALL_LANES(1)); }
+    }
     start_increment(influence, &target, heights, &c, &s, &solving);
     do {
       list_cells(&s.active, &c);
@@ -315,9 +299,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
     add_slide(influence, &c, &s);
     if (any_of(&asked)) report(influence, lane_input, heights, a, &slot, &c, &s);
     remember(&c, &s);
-#if CREEPING
-    end_creep(creep_rows, increments * PATH_ROWS, memory, &c, &s);
-#endif
+    if (CREEPING) end_creep(creep_rows, increments * PATH_ROWS, memory, &c, &s);
   }
   /* Lanes whose input is no scene. */
   ROLLED for (int v = 0; v < VECTORS; ++v) {

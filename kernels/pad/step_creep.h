@@ -6,7 +6,6 @@
 #include "pad/nearby.h"
 #include "pad/splitting.h"
 
-#if CREEP_TERMS
 /* What number k of a cell has crept to, of x, y, z, and its tractions: `w` is its memory. */
 static inline vreal crept_to(global const real *creep, global const vreal *w, int k) {
   vreal m = 0;
@@ -73,6 +72,5 @@ OUTLINE void end_creep(const Influence *influence, global const real *creep, con
     }
   }
 }
-#endif
 
 #endif
