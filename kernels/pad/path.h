@@ -273,6 +273,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   global Memory *memory = (global Memory *)kept;
 #else
   Memory own, *memory = &own;
+  (void)kept;
 #endif
   forget(memory);
 #endif
