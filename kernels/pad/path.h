@@ -243,6 +243,7 @@ static void check_input(global const vreal *lane_input, global const vreal *path
 /* Walks the load paths of a group; the arrays are its own. `kept`: MEMORY_VECTORS of each vector, to work in. */
 INLINE void walk(const Influence *influence, global const vreal *lane_input, global const vreal *path,
                  global const vreal *heights, int increments, real tolerance, const Answers *a, global vreal *kept) {
+  (void)kept; /* of rubber that creeps alone */
   Cells c;
   State s;
   check_input(lane_input, path, heights, increments, &s);
@@ -273,7 +274,6 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   global Memory *memory = (global Memory *)kept;
 #else
   Memory own, *memory = &own;
-  (void)kept;
 #endif
   forget(memory);
 #endif
