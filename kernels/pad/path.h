@@ -233,7 +233,6 @@ static void check_input(global const vreal *lane_input, global const vreal *path
 /* Walks the load paths of a group; the arrays are its own. `kept`: MEMORY_VECTORS of each vector, to work in. */
 INLINE void walk(const Influence *influence, global const vreal *lane_input, global const vreal *path,
                  global const vreal *heights, int increments, real tolerance, const Answers *a, global vreal *kept) {
-  (void)kept; /* of rubber that creeps alone */
   Cells c;
   State s;
   check_input(lane_input, path, heights, increments, &s);
@@ -260,6 +259,7 @@ INLINE void walk(const Influence *influence, global const vreal *lane_input, glo
   }
   set_own(influence, &c);
   MEMORY_IN(memory, kept);
+  (void)kept; /* on vectors and elastic rubber */
   if (CREEPING) forget(memory);
   ROLLED for (int k = 0; k < increments; ++k) {
     Lanes slot;
