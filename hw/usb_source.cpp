@@ -12,6 +12,7 @@
 #include <chrono>
 #include <system_error>
 #include <thread>
+#include <tuple>
 
 #include "hw/libusb_device.h"
 #include "hw/packet_ring.h"
@@ -101,7 +102,7 @@ class LibusbSource final : public UsbSource {
 
   void free_transfers() {
     for (Slot& slot : slots_) {
-      if (slot.busy) slot.transfer.release();  // one that never came back still belongs to libusb
+      if (slot.busy) std::ignore = slot.transfer.release();  // one that never came back still belongs to libusb
       slot.transfer.reset();
     }
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "fem/layer/between_nodes.h"
 
@@ -54,7 +55,7 @@ EndModes::Rows table(const Eigen::VectorXd& nodes, const Eigen::MatrixXd& modes)
 
 EndModes::EndModes(const std::vector<SideDifference>& differences) {
   std::vector<Half> halves;
-  for (const SideDifference& difference : differences) halves.push_back(left_half(difference));
+  std::ranges::transform(differences, std::back_inserter(halves), left_half);
   const Half& first = halves.front();
   // The corner is singular; without a weight the modes would serve it alone (free_sides.h).
   Eigen::VectorXd weight(first.compliance.rows());

@@ -139,7 +139,7 @@ void remove_abandoned(const fs::path& folder) {
 
 }  // namespace
 
-CompileCache::CompileCache(fs::path folder)
+CompileCache::CompileCache(const fs::path& folder)
     : folder_(fs::absolute(folder)),
       compiling_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)),
       process_(::getpid()) {

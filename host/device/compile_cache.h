@@ -48,7 +48,7 @@ class AbortNotice {
 class CompileCache {
  public:
   /// Makes a folder for this process, and removes those of processes that are gone. Throws std::filesystem_error.
-  explicit CompileCache(std::filesystem::path folder);
+  explicit CompileCache(const std::filesystem::path& folder);
   /// The same in `own`, for a process that compiles for another.
   CompileCache(std::filesystem::path folder, std::filesystem::path own);
   ~CompileCache();

@@ -111,7 +111,8 @@ void HoldLearner::read(hw::FrameSource& source, const std::string& name) {
 /// Of the frames, and of other holders.
 std::vector<double> HoldLearner::covariance() const {
   const std::size_t n = moments_;
-  const auto frames = static_cast<double>(changes_.size() / n);
+  const std::size_t whole = changes_.size() / n;
+  const auto frames = static_cast<double>(whole);
   const std::vector<double>& prior = profile_.map.calibration.hold.covariance;
   const double share = frames / (frames + prior_seconds * rate_);
   std::vector<double> all(n * (n + 1) / 2);

@@ -273,6 +273,7 @@ std::vector<std::string> TomlTable::keys() const {
   for (const auto& [key, node] : *table_) found.emplace_back(key.source().begin, std::string(key.str()));
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> names;
+  names.reserve(found.size());
   for (const auto& [place, name] : found) names.push_back(name);
   return names;
 }
