@@ -5,7 +5,7 @@ tests/lines.py ROOT. A change that needs more raises BUDGET in the same commit, 
 import pathlib
 import sys
 
-BUDGET = 81_470
+BUDGET = 81_480
 
 root = pathlib.Path(sys.argv[1])
 files = [path for folder in ("host", "fem", "nn", "hw", "kernels") for path in (root / folder).rglob("*") if path.suffix in (".cpp", ".h", ".cl", ".c")]

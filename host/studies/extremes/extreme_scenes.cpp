@@ -100,7 +100,7 @@ void add_mesh(List& list, bool finest) {
     list.add("grading", fmt::format("{:g}", grading), [=](fem::Scene& s) { s.sensor.grading = grading; });
   for (auto [columns, rows] : {std::pair(3, 2), {5, 3}, {41, 11}, {123, 33}, {401, 101}}) {
     if (columns > 123 && !finest) continue;
-    list.add("mesh", fmt::format("{} x {}", columns, rows), [=](fem::Scene& s) {
+    list.add("mesh", fmt::format("{} x {}", columns, rows), [columns = columns, rows = rows](fem::Scene& s) {
       s.sensor.columns = columns;
       s.sensor.rows = rows;
     });

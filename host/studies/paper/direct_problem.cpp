@@ -137,6 +137,7 @@ double worst_difference(const TableOne& table) {
 std::vector<SensitivityRow> sensitivity_study(Executor& executor, const fem::Scene& choice) {
   const auto all = scene_variants(choice);
   std::vector<fem::Scene> scenes;
+  scenes.reserve(all.size());
   for (const SceneVariant& variant : all) scenes.push_back(variant.scene);
   const auto problems = solve_direct_problems(executor, scenes);
   std::vector<SensitivityRow> rows;

@@ -92,8 +92,9 @@ InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
   const SceneFamily recall_family = paper_recall_family(choice.base);
   ContactSet learning = simulate(paper_learning_family(choice.base, taylor_scale, taylor_scale));
   ContactSet recall = simulate(recall_family);
-  return {.learning = learning.frames_with_answers(),
-          .recall = recall.frames_with_answers(),
+  auto to_learn = learning.frames_with_answers(), to_recall = recall.frames_with_answers();
+  return {.learning = std::move(to_learn),
+          .recall = std::move(to_recall),
           .class_names = recall_family.kind_names,
           .learning_contacts = std::move(learning),
           .recall_contacts = std::move(recall)};

@@ -85,7 +85,8 @@ double RealContact::slip_index() const { return tangent(angle) / tangent(limit_a
 
 std::vector<RealContact> real_contacts() {
   std::vector<RealContact> all;
-  for (std::uint16_t indenter = 0; indenter < real_indenters().size(); ++indenter)
+  const auto indenters = static_cast<std::uint16_t>(real_indenters().size());
+  for (std::uint16_t indenter = 0; indenter < indenters; ++indenter)
     for (double position : {-2.5, 0.0, 2.5})
       for (double limit : {25.0, 38.0})
         for (double angle : {0.0, 15.0, 30.0})
@@ -123,6 +124,7 @@ fem::Scene real_scene(const RealSensorChoice& choice, const RealContact& contact
 std::vector<fem::ContactSolution> solve_real_contacts(Executor& executor, const RealSensorChoice& choice,
                                                       const std::vector<RealContact>& contacts) {
   std::vector<fem::Scene> scenes;
+  scenes.reserve(contacts.size());
   for (const RealContact& contact : contacts) scenes.push_back(real_scene(choice, contact));
   auto solutions = solve_on_meshes(executor, scenes, Precision::fp64);
   for (const fem::ContactSolution& solution : solutions)

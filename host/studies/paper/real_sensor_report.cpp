@@ -165,7 +165,8 @@ void report_by_indenter(Page& page, const RealSensorStudy& study) {
       .caption = "By indenter, on the 80 contacts outside the learning set: mean errors, median [5 %, 95 %]",
       .head = {"indenter", "effect of friction at 15°, of the largest stress"}};
   for (const RealSensorResult& result : study.results) table.head.push_back(text_of(result.what));
-  for (std::uint16_t i = 0; i < real_indenters().size(); ++i) {
+  const auto indenters = static_cast<std::uint16_t>(real_indenters().size());
+  for (std::uint16_t i = 0; i < indenters; ++i) {
     std::vector<Cell> row{real_indenters()[i].name, fmt::format("{:.2f} %", 100 * friction_shows(study, i))};
     for (const RealSensorResult& result : study.results) row.push_back(text_of(of_indenter(result, i)));
     table.add(std::move(row));

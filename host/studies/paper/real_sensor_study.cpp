@@ -30,6 +30,7 @@ TrainingPlan plan_of(const RealSensorCase& what, std::size_t seeds, const nn::On
 nn::ErrorReport report_of(const std::vector<double>& errors, const nn::FrameSet& set,
                           const std::vector<std::uint32_t>& rows) {
   std::vector<double> chosen;
+  chosen.reserve(rows.size());
   for (std::uint32_t row : rows) chosen.push_back(errors[row]);
   return nn::report_errors(chosen, chosen_rows(set, rows));
 }
