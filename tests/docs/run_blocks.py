@@ -14,7 +14,7 @@ The folder holds examples/ (sweeps of 300 contacts), docs/ and links to build/ a
 
 A comment in the line above a block says where its run differs:
   <!-- test: skip, REASON -->       not run; the reason is printed
-  <!-- test: nightly, REASON -->    run with --nightly alone
+  <!-- test: nightly, REASON -->    run with --nightly alone; else the files that it names are looked for
   <!-- test: first, COMMAND -->     makes what the reader has
   <!-- test: 10000000 -> 3000 -->   a smaller size
 Ends with 1 at the first block that fails, as PAGE:LINE."""
@@ -52,6 +52,12 @@ class Page:
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != expected:
             raise Failed(f"ended with {done.returncode}:\n{script}\n{done.stdout[-3000:]}")
+
+    def require_files(self, text):
+        """What a block that is not run names in the reader's folders is there."""
+        for name in re.findall(r"(?<![\w/])(?:build|studies|tests|examples)/[\w./-]*\w", text):
+            if not (self.folder / name).exists():
+                raise Failed(f"{name}: no such file")
 
     def run_sh(self, text, _line):
         shown = re.findall(r"^\$ ((?:.*\\\n)*.*)$", text, re.M)
@@ -132,6 +138,7 @@ def run_block(page, markers, language, text, line):
             return rest
         if comma and word == "nightly":
             if not page.options.nightly:
+                page.require_files(text)
                 return f"nightly, {rest}"
         elif comma and word == "first":
             page.shell(rest)

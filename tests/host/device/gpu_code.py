@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles every variant of every kernel to the machine code of GPUs, without one: tests/host/device/gpu_code.py KERNELS CLANG
+"""Compiles every variant of every kernel to the machine code of GPUs, without one: tests/host/device/gpu_code.py KERNELS CLANG [largest]
 
+largest: of each kernel the variant with the last values, in fp64, which asks for the most memory.
 A variant has one value of each word of a kernel's line "defines" that stands in VALUES, and the line's values of the others.
 Prints for each variant and precision the bytes of private memory of a work-item, and on AMD registers and spills. Fails where a kernel does
 not compile. CLANG: 15 knows sm_86, 16 and newer sm_90. Without libclc of the same version, calls of fma and kin stay calls: the numbers
@@ -60,6 +61,8 @@ def main():
     folder, clang = pathlib.Path(sys.argv[1]), sys.argv[2]
     kernels = sorted(folder.glob("*.cl"))
     jobs = [(target, kernel, variant, real) for target in TARGETS for kernel in kernels for variant in variants(kernel) for real in ("float", "double")]
+    if sys.argv[3:] == ["largest"]:
+        jobs = [job for job in jobs if job[2] == variants(job[1])[-1] and job[3] == "double"]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(lambda job: compiled(clang, *job), jobs))
     failed = 0
